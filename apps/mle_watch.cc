@@ -3,10 +3,8 @@
 #include <iostream>
 
 #include "apps/common/command_line.h"
-#include "apps/watch/acknowledgement.h"
 #include "apps/watch/request.h"
 #include "apps/watch/run.h"
-#include "apps/watch/serve_site.h"
 
 namespace mle {
 namespace {

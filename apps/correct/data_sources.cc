@@ -1,81 +1,79 @@
 #include "apps/correct/data_sources.h"
 
-#include <cstddef>
-#include <istream>
-#include <streambuf>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "apps/common/sha256.h"
 #include "apps/correct/checksum.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
+#include "mle/data/row_source.h"
 #include "mle/database/record_sources.h"
 
 namespace mle::correct {
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 16;
-
-// Hashes what is read through it, into `file` at its end.
-class HashingBuffer : public std::streambuf {
- public:
-  // `owner` turns bad() with `in`.
-  HashingBuffer(std::unique_ptr<std::istream> in,
-                std::shared_ptr<DataFile> file, std::ios& owner)
-      : in_(std::move(in)),
-        file_(std::move(file)),
-        owner_(owner),
-        text_(kBlock) {}
-
- protected:
-  int_type underflow() override {
-    if (gptr() < egptr()) return traits_type::to_int_type(*gptr());
-    in_->read(text_.data(), static_cast<std::streamsize>(text_.size()));
-    const auto size = static_cast<std::size_t>(in_->gcount());
-    if (in_->bad()) owner_.setstate(std::ios::badbit);
-    if (size == 0) {
-      if (!in_->bad() && !has_ended_) {
-        file_->sha256 = hash_.HexDigest();
-        file_->bytes = bytes_;
-        has_ended_ = true;
-      }
-      return traits_type::eof();
+// A row as CSV; names are quoted whatever they are.
+std::string AsCsv(const std::vector<std::string_view>& fields, bool is_header) {
+  std::string text;
+  for (const std::string_view field : fields) {
+    if (!text.empty()) text += ',';
+    if (is_header) {
+      absl::StrAppend(&text, "\"",
+                      absl::StrReplaceAll(AbslView(field), {{"\"", "\"\""}}),
+                      "\"");
+    } else {
+      text += QuoteCsvField(field);
     }
-    hash_.Add(std::string_view(text_.data(), size));
-    bytes_ += static_cast<std::int64_t>(size);
-    setg(text_.data(), text_.data(), text_.data() + size);
-    return traits_type::to_int_type(text_[0]);
   }
+  // An empty line would be no row.
+  return text.empty() ? "\"\"\n" : text + '\n';
+}
+
+// Hashes the rows that are read through it, into `file` at their end.
+class HashingRows : public RowSource {
+ public:
+  HashingRows(std::unique_ptr<RowSource> rows, std::shared_ptr<DataFile> file)
+      : RowSource(rows->source(), rows->is_table()),
+        rows_(std::move(rows)),
+        file_(std::move(file)) {}
+
+  bool Next(std::vector<std::string_view>& fields) override {
+    const bool has_row = rows_->Next(fields);
+    status_ = rows_->status();
+    row_line_ = rows_->line();
+    if (has_row) {
+      const std::string text = AsCsv(fields, row_line_ == 1);
+      hash_.Add(text);
+      bytes_ += static_cast<std::int64_t>(text.size());
+    } else if (status_.ok() && !has_ended_) {
+      file_->sha256 = hash_.HexDigest();
+      file_->bytes = bytes_;
+      has_ended_ = true;
+    }
+    return has_row;
+  }
+  std::unique_ptr<RowSource> Preview() override { return rows_->Preview(); }
 
  private:
-  std::unique_ptr<std::istream> in_;
+  std::unique_ptr<RowSource> rows_;
   std::shared_ptr<DataFile> file_;
-  std::ios& owner_;
-  std::vector<char> text_;
   Sha256 hash_;
   std::int64_t bytes_ = 0;
   bool has_ended_ = false;
 };
 
-class HashingStream : public std::istream {
- public:
-  HashingStream(std::unique_ptr<std::istream> hashed,
-                std::shared_ptr<DataFile> file)
-      : std::istream(nullptr),
-        buffer_(std::move(hashed), std::move(file), *this) {
-    rdbuf(&buffer_);
-  }
-
- private:
-  HashingBuffer buffer_;
-};
-
 HistorianSource Hashed(HistorianSource source,
                        const std::shared_ptr<DataFile>& file) {
-  source.open = [open = std::move(source.open),
-                 file]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
-    MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in, open());
-    return std::make_unique<HashingStream>(std::move(in), file);
+  source.open_rows = [open = std::move(source.open_rows),
+                      file]() -> absl::StatusOr<std::unique_ptr<RowSource>> {
+    MLE_ASSIGN_OR_RETURN(std::unique_ptr<RowSource> rows, open());
+    return std::make_unique<HashingRows>(std::move(rows), file);
   };
   return source;
 }

@@ -11,6 +11,7 @@
 #include "apps/common/did_you_mean.h"
 #include "mle/base/status.h"
 #include "mle/data/tag_file.h"
+#include "mle/data/time_format.h"
 
 namespace mle::correct {
 namespace {

@@ -11,7 +11,6 @@
 #include "apps/report/table.h"
 #include "apps/watch/days.h"
 #include "apps/watch/page.h"
-#include "apps/watch/page_text.h"
 
 namespace mle::watch {
 namespace {

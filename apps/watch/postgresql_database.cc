@@ -23,7 +23,6 @@
 #include "apps/watch/database.h"
 #include "mle/base/status.h"
 #include "mle/database/database_name.h"
-#include "mle/database/postgresql_uri.h"
 
 namespace mle::watch {
 namespace {

@@ -1,16 +1,30 @@
 #include "apps/watch/run.h"
 
+#include <pwd.h>
+#include <unistd.h>
+
 #include <filesystem>
+#include <iostream>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "apps/common/command_line.h"
+#include "apps/common/stop_signal.h"
+#include "apps/report/text.h"
+#include "apps/serve/access.h"
+#include "apps/serve/server.h"
 #include "apps/watch/alarms.h"
 #include "apps/watch/page.h"
 #include "apps/watch/proposal.h"
 #include "apps/watch/report_json.h"
+#include "apps/watch/routes.h"
+#include "apps/watch/site.h"
 #include "apps/watch/update.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
@@ -21,6 +35,39 @@
 
 namespace mle::watch {
 namespace {
+
+// Who has started this program.
+std::string UserName() {
+  const passwd* const user = getpwuid(getuid());
+  return user == nullptr ? "" : user->pw_name;
+}
+
+constexpr absl::Duration kTick = absl::Milliseconds(200);
+constexpr int kTicksOfLook = 5;
+
+std::string UrlOf(const serve::ServerOptions& options, int port) {
+  const bool is_six = options.host.find(':') != std::string::npos;
+  return absl::StrCat("http://", is_six ? "[" : "", options.host,
+                      is_six ? "]" : "", ":", port, "/");
+}
+
+// Looks for news until it is to stop, and says on standard error what cannot be
+// read. An error where the first reading fails.
+absl::Status KeepUp(Site& site) {
+  MLE_RETURN_IF_ERROR(site.Refresh(StopRequested));
+  std::string said;
+  for (int tick = 1; !StopRequested(); ++tick) {
+    absl::SleepFor(kTick);
+    if (tick % kTicksOfLook != 0) continue;
+    MLE_RETURN_IF_ERROR(site.Refresh(StopRequested));
+    const std::string fault = site.snapshot()->fault;
+    if (fault != said && !fault.empty()) {
+      SayError(absl::StrCat(fault, " (showing what was read before)"));
+    }
+    said = fault;
+  }
+  return absl::OkStatus();
+}
 
 namespace fs = std::filesystem;
 
@@ -164,6 +211,60 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
                           not_taken.end());
   MLE_RETURN_IF_ERROR(WritePages(request, reports));
   return summary;
+}
+
+absl::Status ServeSite(const Request& request) {
+  absl::StatusOr<std::string> token =
+      serve::ReadToken(request.token_file, kTokenVariable);
+  if (!token.ok()) {
+    return request.token_file.empty()
+               ? token.status()
+               : WithPrefix(token.status(), "--token_file: ");
+  }
+  const serve::Access access = {.host_names = request.host_names,
+                                .token = *std::move(token)};
+  MLE_RETURN_IF_ERROR(MakeWritableFolder(request.out));
+  MLE_ASSIGN_OR_RETURN(const std::unique_ptr<Site> site,
+                       Site::Open({.list = request.watch_path,
+                                   .state = request.state,
+                                   .folder = request.out,
+                                   .can_acknowledge = !access.token.empty(),
+                                   .threads = request.threads}));
+  CatchStopSignals();
+  absl::StatusOr<std::unique_ptr<serve::Server>> server =
+      serve::Server::Start(request.address, [&](const serve::Request& asked) {
+        return Answer(*site, access, asked);
+      });
+  if (!server.ok()) return WithPrefix(server.status(), "--serve: ");
+  std::cout << "serving " << UrlOf(request.address, (*server)->port())
+            << (access.token.empty() ? " (read-only)" : "") << std::endl;
+  if (!serve::IsLoopback(request.address.host)) {
+    std::cerr << "note: other machines can reach this address, and nothing is "
+                 "encrypted; docs/watch.md shows a proxy that encrypts\n";
+  }
+  const absl::Status status = KeepUp(*site);
+  (*server)->Stop();
+  return status;
+}
+
+absl::Status AcknowledgeAlarm(const Request& request) {
+  std::error_code error;
+  if (!IsDatabase(request.state) &&
+      !std::filesystem::exists(request.state, error)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--state: there is no ", request.state));
+  }
+  MLE_ASSIGN_OR_RETURN(const Acknowledgement made,
+                       MakeAcknowledgement(request.acknowledged_by.empty()
+                                               ? UserName()
+                                               : request.acknowledged_by,
+                                           request.note));
+  MLE_ASSIGN_OR_RETURN(State state, State::Open(request.state));
+  const absl::StatusOr<std::string> id = state.FindAlarm(request.acknowledge);
+  if (!id.ok()) return WithPrefix(id.status(), "--acknowledge: ");
+  MLE_RETURN_IF_ERROR(state.Acknowledge(*id, made));
+  std::cout << "alarm " << *id << " acknowledged by " << made.who << "\n";
+  return absl::OkStatus();
 }
 
 }  // namespace mle::watch

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "apps/watch/health.h"
 #include "apps/watch/request.h"
+#include "apps/watch/state.h"
 
 namespace mle::watch {
 
@@ -25,6 +26,14 @@ struct RunSummary {
 // controller whose records or model are broken stops no other. Errors are of
 // the state and the folder. Unavailable where another run is at work.
 absl::StatusOr<RunSummary> RunWatches(const Request& request);
+
+// What --serve asks for: serves until SIGINT, SIGTERM or SIGHUP; then answers
+// what was asked and returns. Errors are of the state, the list of controllers,
+// the token and the address.
+absl::Status ServeSite(const Request& request);
+
+// What --acknowledge asks for; says on standard output what was done.
+absl::Status AcknowledgeAlarm(const Request& request);
 
 }  // namespace mle::watch
 

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/watch/codec.h"
 #include "mle/base/status.h"
 
 namespace mle::watch {

@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "apps/report/text.h"
 #include "apps/watch/state.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
@@ -15,7 +18,31 @@ namespace {
 constexpr Channel kChannels[] = {Channel::kCommand, Channel::kMail,
                                  Channel::kWebhook};
 
+constexpr std::size_t kMostName = 200;   // bytes
+constexpr std::size_t kMostNote = 1000;  // bytes
+
+std::string CleanPart(const std::string& text) {
+  const std::string clean = report::CleanText(text);
+  return std::string(absl::StripAsciiWhitespace(clean));
+}
+
 }  // namespace
+
+absl::StatusOr<Acknowledgement> MakeAcknowledgement(const std::string& who,
+                                                    const std::string& note) {
+  Acknowledgement made = {.who = CleanPart(who),
+                          .at = absl::ToUnixSeconds(absl::Now()),
+                          .note = CleanPart(note)};
+  if (made.who.empty() || made.who.size() > kMostName) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "who acknowledges must be given, in at most ", kMostName, " bytes"));
+  }
+  if (made.note.size() > kMostNote) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the note has at most ", kMostNote, " bytes"));
+  }
+  return made;
+}
 
 std::string_view NameOf(Channel channel) {
   switch (channel) {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <utility>
 
-#include "apps/watch/codec.h"
 #include "apps/watch/state.h"
 #include "mle/base/status.h"
 

@@ -20,10 +20,10 @@ const char* SeparatorName(char separator) {
 }
 
 // Fields of the first row that are among `names`.
-int CountHeadNames(const CsvHead& head, char separator,
+int CountHeadNames(std::string_view text, char separator,
                    const std::vector<std::string>& names) {
-  std::istringstream in(head.text);
-  CsvRows rows(in, head.source);
+  std::istringstream in{std::string(text)};
+  CsvRows rows(in, "");
   rows.set_separator(separator);
   std::vector<std::string_view> fields;
   if (!rows.Next(fields)) return 0;
@@ -95,26 +95,25 @@ void Take(std::string_view text, int line, int column, Evidence& evidence) {
   if (!kind) kind = Sighting{line, column, std::string(text)};
 }
 
-absl::Status Fault(const CsvHead& head, const Sighting& at,
+absl::Status Fault(const RowSource& rows, const Sighting& at,
                    const std::string& what) {
-  return OptionError(
-      "decimal",
-      absl::StrCat(head.source, ": ", CsvLineName(at.line, head.is_table),
-                   ", column ", at.column, ": '", ShowCsvText(at.text), "' ",
-                   what));
+  return OptionError("decimal",
+                     absl::StrCat(rows.PlaceIn(at.line, at.column), ": '",
+                                  ShowCsvText(at.text), "' ", what));
 }
 
 }  // namespace
 
-absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
+absl::StatusOr<char> RecogniseSeparator(std::string_view text,
+                                        const std::string& source, int line,
                                         const std::vector<std::string>& names) {
-  const std::string found = SeparatorsInHeader(head.text);
+  const std::string found = SeparatorsInHeader(text);
   if (found.size() <= 1) return found.empty() ? ',' : found[0];
   char best = found[0];
   int most = -1;
   bool is_tie = false;
   for (const char separator : found) {
-    const int count = CountHeadNames(head, separator, names);
+    const int count = CountHeadNames(text, separator, names);
     is_tie = count == most || (is_tie && count < most);
     if (count > most) {
       most = count;
@@ -124,9 +123,8 @@ absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
   if (!is_tie) return best;
   return OptionError(
       "separator",
-      absl::StrCat(head.source, ": line ", head.line,
-                   ", column 1: the header has a ", SeparatorName(found[0]),
-                   " and a ", SeparatorName(found[1]),
+      absl::StrCat(source, ": line ", line, ", column 1: the header has a ",
+                   SeparatorName(found[0]), " and a ", SeparatorName(found[1]),
                    ", and either may stand between its columns; declare "
                    "separator = ",
                    SeparatorName(found[0]),
@@ -134,57 +132,45 @@ absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
 }
 
 absl::StatusOr<char> RecogniseDecimal(
-    const CsvHead& head, char separator,
-    const std::vector<RecordColumn>& columns) {
-  std::istringstream in(head.text);
-  CsvRows rows(in, head.source);
-  rows.set_separator(separator);
+    RowSource& rows, const std::vector<RecordColumn>& columns) {
   std::vector<std::string_view> fields;
   rows.Next(fields);  // the header
   Evidence evidence;
-  std::vector<std::string> last;  // a row behind: the last may be cut
-  int last_line = 0;
   // A date alone may have points.
   const bool has_part = std::any_of(
       columns.begin(), columns.end(), [](const RecordColumn& column) {
         return column.kind == RecordColumn::Kind::kTimePart;
       });
-  const auto take_last = [&] {
-    for (std::size_t c = 0; c < std::min(last.size(), columns.size()); ++c) {
+  while (rows.Next(fields)) {
+    for (std::size_t c = 0; c < std::min(fields.size(), columns.size()); ++c) {
       const RecordColumn::Kind kind = columns[c].kind;
       if (kind == RecordColumn::Kind::kOther ||
           (has_part && (kind == RecordColumn::Kind::kTime ||
                         kind == RecordColumn::Kind::kTimePart))) {
         continue;
       }
-      const std::string_view text = TrimCsvField(last[c]);
+      const std::string_view text = TrimCsvField(fields[c]);
       if (LooksNumeric(text)) {
-        Take(text, last_line, static_cast<int>(c) + 1, evidence);
+        Take(text, rows.line(), static_cast<int>(c) + 1, evidence);
       }
     }
-  };
-  while (rows.Next(fields)) {
-    take_last();
-    last.assign(fields.begin(), fields.end());
-    last_line = rows.line() + head.line - 1;
   }
-  if (head.is_whole) take_last();
 
   if (evidence.grouped) {
-    return Fault(head, *evidence.grouped,
+    return Fault(rows, *evidence.grouped,
                  "has marks between its thousands, or two marks for decimals; "
                  "export numbers without thousands separators");
   }
   const auto& comma = evidence.comma ? evidence.comma : evidence.thousands;
   if (comma && evidence.point) {
     return Fault(
-        head, *comma,
+        rows, *comma,
         absl::StrCat("has a comma, but '", evidence.point->text, "' in ",
-                     CsvLineName(evidence.point->line, head.is_table),
+                     rows.LineName(evidence.point->line),
                      " a point; declare which it is, such as decimal = comma"));
   }
   if (comma && !evidence.comma) {
-    return Fault(head, *comma,
+    return Fault(rows, *comma,
                  "may have a decimal comma or one between thousands; declare "
                  "decimal = comma or decimal = point");
   }

@@ -10,28 +10,22 @@
 
 #include "absl/status/statusor.h"
 #include "mle/data/record_columns.h"
+#include "mle/data/row_source.h"
 
 namespace mle {
 
-// The beginning of a file, its header first.
-struct CsvHead {
-  std::string text;
-  bool is_whole = false;  // the file ends here
-  std::string source;     // its name
-  int line = 1;           // of the header
-  bool is_table = false;  // as of CsvRows
-};
-
 // The one of comma, semicolon and tab that occurs in the header; if several
 // occur, the one that yields most of `names` as fields. InvalidArgument for a
-// tie.
-absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
+// tie. `text` is what a file begins with, its header first; that stands in
+// `line`.
+absl::StatusOr<char> RecogniseSeparator(std::string_view text,
+                                        const std::string& source, int line,
                                         const std::vector<std::string>& names);
 
-// A comma if fields of `columns` (of the header) have one and none has a point,
-// else a point. InvalidArgument, with line and column, if there are both, or
-// only such as may also be thousands ("1,234").
-absl::StatusOr<char> RecogniseDecimal(const CsvHead& head, char separator,
+// A comma if fields of `columns` (of the header, which `rows` begin with) have
+// one and none has a point, else a point. InvalidArgument, with line and
+// column, if there are both, or only such as may also be thousands ("1,234").
+absl::StatusOr<char> RecogniseDecimal(RowSource& rows,
                                       const std::vector<RecordColumn>& columns);
 
 }  // namespace mle

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <tuple>
+#include <sstream>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -57,7 +57,16 @@ bool IsSpreadsheetError(std::string_view text) {
 }  // namespace
 
 CsvRows::CsvRows(std::istream& in, std::string source, CsvLimits limits)
-    : in_(in), source_(std::move(source)), limits_(limits) {
+    : RowSource(std::move(source)), in_(in), limits_(limits) {
+  set_separator(',');
+}
+
+CsvRows::CsvRows(std::unique_ptr<std::istream> in, std::string source,
+                 CsvLimits limits)
+    : RowSource(std::move(source)),
+      owned_(std::move(in)),
+      in_(*owned_),
+      limits_(limits) {
   set_separator(',');
 }
 
@@ -91,10 +100,8 @@ bool CsvRows::Fill() {
            static_cast<std::streamsize>(buffer_.size() - end_));
   end_ += static_cast<std::size_t>(in_.gcount());
   if (in_.bad()) {
-    status_ = fault_ ? fault_() : absl::OkStatus();
-    if (!status_.ok()) return false;
     status_ = absl::DataLossError(
-        absl::StrCat(source_, ": cannot be read after line ", line_ - 1,
+        absl::StrCat(source(), ": cannot be read after line ", line_ - 1,
                      "; a compressed file may be damaged or cut"));
     return false;
   }
@@ -117,6 +124,21 @@ bool CsvRows::Fill() {
 std::string_view CsvRows::Peek() {
   if (begin_ == end_) Fill();
   return {buffer_.data() + begin_, end_ - begin_};
+}
+
+std::unique_ptr<RowSource> CsvRows::Preview() {
+  std::string text(Peek());
+  if (!at_end_) text.resize(text.rfind('\n') + 1);
+  auto rows = std::make_unique<CsvRows>(
+      std::make_unique<std::istringstream>(std::move(text)), source(), limits_);
+  rows->set_separator(separator_);
+  rows->header_ = header_;
+  rows->line_ = line_;
+  return rows;
+}
+
+std::int64_t CsvRows::bytes_read() const {
+  return in_.rdbuf()->pubseekoff(0, std::ios::cur, std::ios::in);
 }
 
 bool CsvRows::SkipLine() {
@@ -284,22 +306,6 @@ CsvRows::Scan CsvRows::Fault(std::string_view what) {
       absl::StrCat(Place(std::max<int>(1, static_cast<int>(fields_.size()))),
                    ": ", std::string(what)));
   return Scan::kFault;
-}
-
-std::string CsvRows::LinePlace() const {
-  const int line = origin_ ? origin_(row_line_, 1).first : row_line_;
-  return absl::StrCat(source_, ": ", CsvLineName(line, is_table_));
-}
-
-std::string CsvRows::PlaceIn(int line, int field) const {
-  if (origin_) std::tie(line, field) = origin_(line, field);
-  return absl::StrCat(source_, ": ", CsvLineName(line, is_table_), ", column ",
-                      field);
-}
-
-std::string CsvLineName(int line, bool is_table) {
-  if (!is_table) return absl::StrCat("line ", line);
-  return line > 1 ? absl::StrCat("row ", line - 1) : "header";
 }
 
 std::string QuoteCsvField(std::string_view field) {

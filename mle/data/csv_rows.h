@@ -18,37 +18,32 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
+#include <cstdint>
 #include <istream>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "absl/status/status.h"
+#include "mle/data/row_source.h"
 
 namespace mle {
 
-struct CsvLimits {
-  std::size_t max_row_bytes = std::size_t{1} << 20;
-  int max_columns = 10000;
-};
-
-// "line 3"; of a table, whose header is not counted, "row 2" or "header".
-std::string CsvLineName(int line, bool is_table);
-
-class CsvRows {
+class CsvRows : public RowSource {
  public:
-  // `source` (the file's name) opens every message.
+  // `source` is the file's name.
   CsvRows(std::istream& in, std::string source, CsvLimits limits = {});
+  CsvRows(std::unique_ptr<std::istream> in, std::string source,
+          CsvLimits limits = {});
 
   // A comma until this is called.
   void set_separator(char separator);
   char separator() const { return separator_; }
 
-  // The fields of the next row; false at the end or at an error. They last
-  // until the next call of a member that is not const.
-  bool Next(std::vector<std::string_view>& fields);
+  bool Next(std::vector<std::string_view>& fields) override;
+  // Of what Peek() shows, as far as its lines are whole.
+  std::unique_ptr<RowSource> Preview() override;
 
   // What comes next, without taking it: the rest of the present block, or, at
   // the start, the whole first one. Cut somewhere.
@@ -60,47 +55,15 @@ class CsvRows {
   }
   // From now on lines that begin with # are passed over and counted, but for
   // the errors of spreadsheets (#N/A).
-  void set_skips_comments() { skips_comments_ = true; }
-  int comments() const { return comments_; }
+  void set_skips_comments() override { skips_comments_ = true; }
+  int comments() const override { return comments_; }
+  std::int64_t bytes_read() const override;
 
-  // Skips a line, whatever it contains. False as Next().
-  bool SkipLine();
+  bool SkipLine() override;
 
-  // OK, or what is wrong with the text: a quote that is not closed or stands
-  // inside an unquoted field, a NUL byte, a carriage return inside a line, a
-  // row or a number of columns beyond the limits, or a file that cannot be
-  // read. It names file, line and column (the field, counted from 1).
-  const absl::Status& status() const { return status_; }
-
-  // Where the last row began, counted from 1.
-  int line() const { return row_line_; }
-
-  const std::string& source() const { return source_; }
-
-  // Nothing is left to be read from the file but what Peek() shows.
-  bool at_end() const { return at_end_; }
-
-  // "run.csv: line 3, column 2", the place of a field of the last row, or of
-  // that which began in `line`. In rows of a table: "trend: row 2, column 2".
-  std::string Place(int field) const { return PlaceIn(row_line_, field); }
-  std::string PlaceIn(int line, int field) const;
-
-  // "run.csv: line 3", of the last row, and "line 3".
-  std::string LinePlace() const;
-  std::string LineName(int line) const { return CsvLineName(line, is_table_); }
-
-  // For text that was made from another file: where a field of a line came
-  // from, as line and column of that file.
-  using Origin = std::function<std::pair<int, int>(int line, int field)>;
-  void set_origin(Origin origin) { origin_ = std::move(origin); }
-
-  // The text is a table that was not a file (a query of a database): messages
-  // count its rows, one in each line, below the header.
-  void set_is_table(bool is_table) { is_table_ = is_table; }
-  // Why the stream turned bad(), where it can say more than that.
-  void set_fault(std::function<absl::Status()> fault) {
-    fault_ = std::move(fault);
-  }
+  // Errors of status(): a quote that is not closed or stands inside an unquoted
+  // field, a NUL byte, a carriage return inside a line, a row or a number of
+  // columns beyond the limits, a file that cannot be read.
 
  private:
   enum class Scan { kRow, kEmptyLine, kMore, kFault };
@@ -117,8 +80,8 @@ class CsvRows {
   void Unescape(Field& field);
   Scan Fault(std::string_view what);
 
+  std::unique_ptr<std::istream> owned_;
   std::istream& in_;
-  std::string source_;
   CsvLimits limits_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0;  // of what is not yet taken
@@ -137,13 +100,8 @@ class CsvRows {
   std::vector<std::string> taken_header_;  // which `fields` refer to
   bool skips_comments_ = false;
   int comments_ = 0;
-  Origin origin_;
-  bool is_table_ = false;
-  std::function<absl::Status()> fault_;
 
   int line_ = 1;  // at begin_
-  int row_line_ = 0;
-  absl::Status status_;
 };
 
 // A field in double quotes where that is needed.

@@ -143,7 +143,7 @@ int TitleLines(std::string_view head, const std::vector<std::string>& names) {
   return most > 1 ? best : LinesAboveColumns(head);
 }
 
-int UnitRows(CsvRows& rows, const std::vector<RecordColumn>& columns,
+int UnitRows(RowSource& rows, const std::vector<RecordColumn>& columns,
              const RecordClock& clock) {
   using Kind = RecordColumn::Kind;
   std::vector<std::string_view> fields;

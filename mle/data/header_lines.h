@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "mle/data/csv_rows.h"
 #include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
+#include "mle/data/row_source.h"
 
 namespace mle {
 
@@ -26,7 +26,7 @@ bool LooksLikeTable(std::string_view head,
 
 // Rows that have neither a time nor a number, three at most; `rows` stands
 // below the header, whose `columns` are known.
-int UnitRows(CsvRows& rows, const std::vector<RecordColumn>& columns,
+int UnitRows(RowSource& rows, const std::vector<RecordColumn>& columns,
              const RecordClock& clock);
 
 }  // namespace mle

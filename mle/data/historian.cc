@@ -1,67 +1,76 @@
 #include "mle/data/historian.h"
 
-#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "mle/base/option_error.h"
+#include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/data/historian_importer.h"
-#include "mle/data/joined_files.h"
+#include "mle/data/file_kind.h"
 
 namespace mle {
 namespace {
 
-// Where columns are missing, files may have a tag each.
-absl::StatusOr<HistorianImport> Import(
-    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
-    const HistorianOptions& options, RecordSink* sink) {
-  absl::StatusOr<HistorianImport> import =
-      HistorianImporter(channels, options, sink).Run(sources);
-  if (import.ok() || !absl::StrContains(OptionOf(import.status()), "tags")) {
-    return import;
+absl::StatusOr<std::unique_ptr<std::istream>> OpenFile(
+    const std::string& path) {
+  MLE_RETURN_IF_ERROR(CheckRegularFile(path));
+  auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!*in) {
+    MLE_RETURN_IF_ERROR(ReadFile(path).status());
+    return absl::UnavailableError(absl::StrCat("cannot read '", path, "'"));
   }
-  MLE_ASSIGN_OR_RETURN(const std::optional<JoinedFiles> joined,
-                       JoinFiles(sources, channels, options));
-  if (!joined) return import;
-  import =
-      HistorianImporter(channels, joined->options, sink).Run({joined->source});
-  if (!import.ok()) return import;
-  import->report.notes.insert(
-      import->report.notes.begin(),
-      {absl::StrCat(sources.size(),
-                    " files with tags of their own, joined by their times."),
-       ""});
-  return import;
+  return in;
+}
+
+// The stream itself, or what is packed in it.
+std::unique_ptr<std::istream> Unpacked(std::unique_ptr<std::istream> in) {
+  std::array<char, 3> start = {};
+  in->read(start.data(), start.size());
+  const auto size = static_cast<std::size_t>(in->gcount());
+  in->clear();
+  in->seekg(0);
+  return IsGzip({start.data(), size}) ? Gunzip(std::move(in)) : std::move(in);
 }
 
 }  // namespace
 
-absl::StatusOr<HistorianImport> ImportHistorianSources(
-    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
-    const HistorianOptions& options, RecordSink* sink) {
-  MLE_RETURN_IF_ERROR(options.Validate(channels));
-  MLE_ASSIGN_OR_RETURN(HistorianImport import,
-                       Import(sources, channels, options, sink));
-  if (!import.records.empty()) return import;
-  const std::string& name = import.report.files[0].name;
-  const bool is_table = std::any_of(
-      sources.begin(), sources.end(), [&](const HistorianSource& source) {
-        return source.name == name && source.is_table;
-      });
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, ": ", CsvLineName(2, is_table),
-                   ", column 1: no two samples follow each other without a "
-                   "gap longer than max_gap"));
+std::string_view StandardInput() {
+  static const std::string& text =
+      *new std::string(std::istreambuf_iterator<char>(std::cin.rdbuf()), {});
+  return text;
 }
 
-absl::StatusOr<HistorianImport> ImportHistorian(
-    const std::vector<std::string>& paths, const ProcessModel& channels,
-    const HistorianOptions& options) {
-  std::vector<HistorianSource> sources;
-  for (const std::string& path : paths) sources.push_back(FileSource(path));
-  return ImportHistorianSources(sources, channels, options);
+HistorianSource FileSource(const std::string& path) {
+  if (path == "-") {
+    return {kStandardInput,
+            []() -> absl::StatusOr<std::unique_ptr<std::istream>> {
+              return Unpacked(std::make_unique<std::istringstream>(
+                  std::string(StandardInput())));
+            }};
+  }
+  HistorianSource source = {
+      path, [path]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
+        MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in, OpenFile(path));
+        return Unpacked(std::move(in));
+      }};
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (!error) source.bytes = static_cast<std::int64_t>(bytes);
+  return source;
+}
+
+HistorianSource TextSource(std::string name, std::string text) {
+  return {std::move(name),
+          [text = std::move(
+               text)]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
+            return std::make_unique<std::istringstream>(text);
+          }};
 }
 
 }  // namespace mle

@@ -44,12 +44,12 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/data/csv_rows.h"
+#include "mle/data/clock_options.h"
+#include "mle/data/quality_columns.h"
 #include "mle/data/record.h"
-#include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
-#include "mle/data/record_rows.h"
 #include "mle/data/record_sink.h"
+#include "mle/data/row_source.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
@@ -87,7 +87,7 @@ struct HistorianOptions {
   // Values of quality columns that mean good, whatever their case. All others
   // mean bad, but as long as they are these, for what is usual (IsUsuallyGood()
   // in quality_columns.h).
-  std::vector<std::string> good_qualities = {"good", "ok", "192"};
+  std::vector<std::string> good_qualities = UsualGoodQualities();
   // Values that mark a bad sample, besides an empty field, NaN and the words in
   // KnownBadWords(): as text or as a number ("-9999").
   std::vector<std::string> bad_values = {};
@@ -127,8 +127,17 @@ struct HistorianOptions {
   absl::Status Validate(const ProcessModel& channels) const;
 };
 
-// Whatever their case: Bad, Bad Input, No Data, I/O Timeout, null, N/A, …
-const std::vector<std::string>& KnownBadWords();
+// Why samples are bad.
+struct BadSampleCounts {
+  std::int64_t empty = 0;
+  std::int64_t not_a_number = 0;  // NaN
+  std::int64_t declared = 0;      // a bad value or a bad word
+  std::int64_t quality = 0;       // by the quality column
+
+  std::int64_t total() const {
+    return empty + not_a_number + declared + quality;
+  }
+};
 
 // A channel's samples as they were found, in rows of the files, and what became
 // of them, in samples of the records.
@@ -209,15 +218,15 @@ struct HistorianImport {
 };
 
 // A file, a query of a database (mle/database), or what takes their place in a
-// test. Opened more than once, and always with the same text.
+// test. Opened more than once, and always with the same rows.
 struct HistorianSource {
   std::string name;
+  // A text, whose form is recognised.
   std::function<absl::StatusOr<std::unique_ptr<std::istream>>()> open;
-  // The text has a header, commas between fields and a row in each line, and
-  // nothing of this is to be recognised; messages name rows, not lines.
+  // Or rows, of which nothing is to be recognised.
+  std::function<absl::StatusOr<std::unique_ptr<RowSource>>()> open_rows = {};
+  // Messages name rows, not lines.
   bool is_table = false;
-  // Why a stream of open() turned bad(), where it can say more than that.
-  std::function<absl::Status()> fault = {};
   // Bytes of the text, for progress; 0: not known.
   std::int64_t bytes = 0;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,11 +9,13 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_format.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/csv_rows.h"
 #include "mle/data/header_lines.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
+#include "mle/data/wide_rows.h"
 
 namespace mle {
 namespace {
@@ -58,29 +59,6 @@ absl::Status CheckIsTable(const std::string& source, int first_line,
       ShowCsvText(head.substr(0, head.find_first_of("\r\n"))), "'"));
 }
 
-// The first rows of a text: the header, and those below it that are whole.
-std::vector<std::vector<std::string>> FirstRows(const CsvHead& head,
-                                                char separator) {
-  constexpr std::size_t kRows = 2000;
-  std::vector<std::vector<std::string>> first;
-  std::istringstream in(head.text);
-  CsvRows rows(in, head.source);
-  rows.set_separator(separator);
-  std::vector<std::string_view> fields;
-  while (first.size() < kRows && rows.Next(fields)) {
-    std::vector<std::string> row;
-    for (const std::string_view field : fields) {
-      row.emplace_back(first.empty() && row.empty() ? WithoutHash(field)
-                                                    : TrimCsvField(field));
-    }
-    first.push_back(std::move(row));
-  }
-  if (first.size() > 1 && first.size() < kRows && !head.is_whole) {
-    first.pop_back();
-  }
-  return first;
-}
-
 bool HasSuffix(const std::string& name,
                const std::vector<std::string>& suffixes) {
   return std::any_of(suffixes.begin(), suffixes.end(),
@@ -90,7 +68,7 @@ bool HasSuffix(const std::string& name,
 }
 
 // Samples where names of columns should be.
-absl::Status CheckNames(const CsvHead& head,
+absl::Status CheckNames(const std::string& place,
                         const std::vector<std::string>& header,
                         const std::vector<std::string>& names,
                         const RecordClock& clock) {
@@ -107,8 +85,7 @@ absl::Status CheckNames(const CsvHead& head,
   if (samples < 2 || 3 * samples < 2 * fields) return absl::OkStatus();
   return OptionError(
       "header,lines_above_header",
-      absl::StrCat(head.source, ": ", CsvLineName(head.line, head.is_table),
-                   ": there is no header: samples (",
+      absl::StrCat(place, ": there is no header: samples (",
                    ListOfNames({header.begin(), header.begin() + 2}),
                    ", …) stand where names of columns should. Put a line of ",
                    header.size(),
@@ -118,9 +95,17 @@ absl::Status CheckNames(const CsvHead& head,
 
 }  // namespace
 
+absl::StatusOr<std::unique_ptr<RowSource>> OpenRows(
+    const HistorianSource& source, char separator, const CsvLimits& limits) {
+  if (source.open_rows) return source.open_rows();
+  MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in, source.open());
+  auto rows = std::make_unique<CsvRows>(std::move(in), source.name, limits);
+  rows->set_separator(separator);
+  return rows;
+}
+
 double HistorianFile::FractionRead() const {
-  const std::streamoff at =
-      in_->rdbuf()->pubseekoff(0, std::ios::cur, std::ios::in);
+  const std::int64_t at = source_->bytes_read();
   if (bytes_ <= 0 || at < 0) return -1.0;
   return std::min(static_cast<double>(at) / static_cast<double>(bytes_), 1.0);
 }
@@ -164,86 +149,85 @@ absl::Status HistorianFile::SkipToHeader(
   return skip(titles);
 }
 
-CsvHead HistorianFile::Head() {
-  CsvHead head;
-  head.text = std::string(csv_->Peek());
-  head.is_whole = csv_->at_end();
-  head.source = report_.name;
-  head.line = header_line_;
-  head.is_table = is_table_;
-  if (!header_text_.empty()) {
-    head.text.insert(0, header_text_);
-    --head.line;
+std::vector<std::vector<std::string>> HistorianFile::FirstRows() {
+  constexpr std::size_t kRows = 2000;
+  std::vector<std::vector<std::string>> first;
+  const std::unique_ptr<RowSource> rows = source_->Preview();
+  std::vector<std::string_view> fields;
+  while (first.size() < kRows && rows->Next(fields)) {
+    std::vector<std::string> row;
+    for (const std::string_view field : fields) {
+      row.emplace_back(first.empty() && row.empty() ? WithoutHash(field)
+                                                    : TrimCsvField(field));
+    }
+    first.push_back(std::move(row));
   }
-  return head;
+  return first;
+}
+
+// "run.csv: line 3".
+std::string HistorianFile::HeaderPlace() const {
+  const int line = has_given_header_ ? header_line_ - 1 : header_line_;
+  return absl::StrCat(report_.name, ": ", source_->LineName(std::max(line, 1)));
+}
+
+// Where the header of a text stands, and what separates its fields.
+absl::Status HistorianFile::RecogniseText(
+    const HistorianOptions& options, const std::vector<std::string>& names) {
+  report_.separator = 0;
+  MLE_RETURN_IF_ERROR(SkipToHeader(options, names));
+  const std::string head(csv_->Peek());
+  MLE_RETURN_IF_ERROR(csv_->status());
+  if (options.separator != 0) report_.separator = options.separator;
+  if (report_.separator == 0) {
+    MLE_ASSIGN_OR_RETURN(
+        report_.separator,
+        RecogniseSeparator(head, report_.name, header_line_, names));
+  }
+  csv_->set_separator(report_.separator);
+  return absl::OkStatus();
 }
 
 absl::Status HistorianFile::RecogniseTable(const ProcessModel& channels,
                                            const HistorianOptions& options) {
-  report_.separator = 0;
   MLE_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                        NamesOf(channels, options.columns));
   std::vector<std::string> all = LongColumnNames(options.columns);
   all.insert(all.end(), names.begin(), names.end());
-  if (is_table_) {
-    report_.separator = ',';
-  } else {
-    MLE_RETURN_IF_ERROR(SkipToHeader(options, all));
-  }
-  CsvHead head = Head();
-  MLE_RETURN_IF_ERROR(csv_->status());
-  if (options.separator != 0 && !is_table_) {
-    report_.separator = options.separator;
-  }
-  if (report_.separator == 0) {
-    MLE_ASSIGN_OR_RETURN(report_.separator, RecogniseSeparator(head, all));
-  }
-  csv_->set_separator(report_.separator);
-  if (!options.header.empty()) {
-    MLE_RETURN_IF_ERROR(TakeHeader(head, options.header));
-    head = Head();
-  }
-  MLE_RETURN_IF_ERROR(RecogniseColumns(head, all, options));
-  return WidenLongTable(head, names, options);
+  if (csv_ != nullptr) MLE_RETURN_IF_ERROR(RecogniseText(options, all));
+  if (!options.header.empty()) MLE_RETURN_IF_ERROR(TakeHeader(options.header));
+  MLE_RETURN_IF_ERROR(RecogniseColumns(all, options));
+  return WidenLongTable(names, options);
 }
 
 // Names that are given in place of a header.
-absl::Status HistorianFile::TakeHeader(const CsvHead& head,
-                                       const std::vector<std::string>& names) {
+absl::Status HistorianFile::TakeHeader(const std::vector<std::string>& names) {
   const auto fault = [&](const std::string& what) {
     return OptionError("header", absl::StrCat(report_.name, ": ", what));
   };
-  if (is_table_) return fault("header is not for tables of databases");
-  const auto first = FirstRows(head, report_.separator);
+  if (csv_ == nullptr) return fault("header is not for tables of databases");
+  const auto first = FirstRows();
   if (!first.empty() && first[0].size() != names.size()) {
     return fault(absl::StrCat("header has ", names.size(), " names, line ",
                               header_line_, " has ", first[0].size(),
                               " fields"));
   }
-  for (const std::string& name : names) {
-    absl::StrAppend(
-        &header_text_,
-        header_text_.empty() ? "" : std::string(1, report_.separator),
-        QuoteCsvField(name));
-  }
-  header_text_ += '\n';
   csv_->set_header(names);
+  has_given_header_ = true;
   return absl::OkStatus();
 }
 
 // That there is a header, and which of its columns is the time.
 absl::Status HistorianFile::RecogniseColumns(
-    const CsvHead& head, const std::vector<std::string>& names,
-    const HistorianOptions& options) {
+    const std::vector<std::string>& names, const HistorianOptions& options) {
   columns_ = options.columns;
-  if (is_table_) return absl::OkStatus();
-  std::vector<std::vector<std::string>> rows =
-      FirstRows(head, report_.separator);
+  if (csv_ == nullptr) return absl::OkStatus();
+  std::vector<std::vector<std::string>> rows = FirstRows();
   if (rows.empty()) return absl::OkStatus();
   const std::vector<std::string> header = std::move(rows[0]);
   rows.erase(rows.begin());
   if (options.header.empty()) {
-    MLE_RETURN_IF_ERROR(CheckNames(head, header, names, clock_));
+    MLE_RETURN_IF_ERROR(CheckNames(HeaderPlace(), header, names, clock_));
   }
   if (columns_.time_column != ColumnOptions().time_column) {
     return absl::OkStatus();
@@ -260,65 +244,56 @@ absl::Status HistorianFile::RecogniseColumns(
 
 // A long table is read whole and put in the place of the file.
 absl::Status HistorianFile::WidenLongTable(
-    const CsvHead& head, const std::vector<std::string>& names,
-    HistorianOptions options) {
+    const std::vector<std::string>& names, HistorianOptions options) {
   options.columns = columns_;
-  std::vector<std::vector<std::string>> first =
-      FirstRows(head, report_.separator);
+  std::vector<std::vector<std::string>> first = FirstRows();
   if (first.empty()) return absl::OkStatus();
   const std::vector<std::string> header = std::move(first[0]);
   first.erase(first.begin());
   const absl::StatusOr<std::optional<LongColumns>> columns =
       FindLongColumns(header, first, names, options.columns);
   if (!columns.ok()) {
-    return WithPrefix(
-        columns.status(),
-        absl::StrCat(report_.name, ": ",
-                     CsvLineName(std::max(head.line, 1), is_table_), ": "));
+    return WithPrefix(columns.status(), HeaderPlace() + ": ");
   }
   if (!*columns) return absl::OkStatus();
   std::vector<std::string_view> fields;
-  csv_->Next(fields);
-  MLE_ASSIGN_OR_RETURN(WideTable table, WidenTable(*csv_, header, **columns,
-                                                   names, options, clock_));
-  repeated_rows_ = table.repeated_rows;
-  comment_rows_ = table.comment_rows;
+  source_->Next(fields);
+  MLE_ASSIGN_OR_RETURN(
+      std::unique_ptr<WideRows> table,
+      WideRows::Read(*source_, header, **columns, names, options, clock_));
+  repeated_rows_ = table->counts().repeated_rows;
+  comment_rows_ = table->counts().comment_rows;
   notes_.push_back({absl::StrCat(report_.name,
                                  ": a long table, with a row for "
                                  "each sample, of ",
-                                 table.tags.size(), " tags."),
+                                 table->counts().tags, " tags."),
                     ""});
   is_long_ = true;
-  is_sparse_ = !table.is_complete;
-  bytes_ = static_cast<std::int64_t>(table.text.size());
-  in_ = std::make_unique<std::istringstream>(std::move(table.text));
-  csv_ = std::make_unique<CsvRows>(*in_, report_.name, options.limits);
-  csv_->set_origin(std::move(table.origin));
-  csv_->set_is_table(is_table_);
+  is_sparse_ = !table->counts().is_complete;
+  bytes_ = table->counts().rows;
+  source_ = std::move(table);
+  csv_ = nullptr;
   header_line_ = 1;
-  header_text_.clear();
+  has_given_header_ = false;
   return absl::OkStatus();
 }
 
 // The decimal mark, and rows of units below the header.
 absl::Status HistorianFile::RecogniseRows(const ProcessModel& channels,
                                           const HistorianOptions& options) {
-  rows_below_header_ = is_table_ ? 0 : options.rows_below_header;
+  rows_below_header_ = csv_ == nullptr ? 0 : options.rows_below_header;
   report_.decimal = options.decimal == 0 ? '.' : options.decimal;
   // Errors in the header are those of RecordRows::Open().
-  const CsvHead head = Head();
-  std::istringstream in(head.text);
-  CsvRows rows(in, report_.name, options.limits);
-  rows.set_separator(csv_->separator());
+  const std::unique_ptr<RowSource> rows = source_->Preview();
   std::vector<std::string_view> header;
-  if (!rows.Next(header)) return absl::OkStatus();
+  if (!rows->Next(header)) return absl::OkStatus();
   ColumnOptions lenient = columns_;
   lenient.ignore_other_columns = true;
   const absl::StatusOr<std::vector<RecordColumn>> columns =
       MatchHeader(header, channels, lenient);
   if (!columns.ok()) return absl::OkStatus();
-  if (options.rows_below_header == 0 && !is_table_) {
-    rows_below_header_ = UnitRows(rows, *columns, clock_);
+  if (options.rows_below_header == 0 && csv_ != nullptr) {
+    rows_below_header_ = UnitRows(*rows, *columns, clock_);
     if (rows_below_header_ > 0) {
       notes_.push_back({absl::StrCat(report_.name, ": ", rows_below_header_,
                                      rows_below_header_ == 1 ? " row" : " rows",
@@ -329,7 +304,7 @@ absl::Status HistorianFile::RecogniseRows(const ProcessModel& channels,
   }
   if (options.decimal != 0) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(report_.decimal,
-                       RecogniseDecimal(head, csv_->separator(), *columns));
+                       RecogniseDecimal(*source_->Preview(), *columns));
   return absl::OkStatus();
 }
 
@@ -337,20 +312,17 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Start(
     const HistorianSource& source, const ProcessModel& channels,
     const HistorianOptions& options, const ClockOptions& clock_options,
     std::optional<double> origin) {
-  MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in, source.open());
   MLE_ASSIGN_OR_RETURN(
       RecordClock clock,
       RecordClock::Create(channels.time_unit(), clock_options));
   clock.set_origin(origin);
-  std::unique_ptr<HistorianFile> file(
-      new HistorianFile(std::move(in), std::move(clock)));
+  std::unique_ptr<HistorianFile> file(new HistorianFile(std::move(clock)));
   file->report_.name = source.name;
-  file->csv_ =
-      std::make_unique<CsvRows>(*file->in_, source.name, options.limits);
-  file->is_table_ = source.is_table;
+  MLE_ASSIGN_OR_RETURN(file->source_, OpenRows(source, ',', options.limits));
+  if (!source.open_rows) {
+    file->csv_ = static_cast<CsvRows*>(file->source_.get());
+  }
   file->bytes_ = source.bytes;
-  file->csv_->set_is_table(source.is_table);
-  file->csv_->set_fault(source.fault);
   MLE_RETURN_IF_ERROR(file->RecogniseTable(channels, options));
   return file;
 }
@@ -358,18 +330,14 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Start(
 // That a table has a time and samples in columns of their own, as far as can be
 // said without names that are known.
 absl::Status HistorianFile::CheckUnderstood() {
-  const CsvHead head = Head();
-  std::vector<std::vector<std::string>> rows =
-      FirstRows(head, report_.separator);
+  std::vector<std::vector<std::string>> rows = FirstRows();
   if (rows.size() < 2) return absl::OkStatus();
   const std::vector<std::string> header = std::move(rows[0]);
   rows.erase(rows.begin());
   const auto fault = [&](const char* options, const std::string& what) {
     return OptionError(
-        options,
-        absl::StrCat(report_.name, ": ",
-                     CsvLineName(std::max(head.line, 1), is_table_), ": ", what,
-                     ". The header has ", ListOfNames(header)));
+        options, absl::StrCat(HeaderPlace(), ": ", what, ". The header has ",
+                              ListOfNames(header)));
   };
   std::vector<std::string> names;
   std::size_t numbers = 0;
@@ -429,15 +397,15 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
   std::vector<std::string> below;
   std::vector<std::string_view> fields;
   while (header.size() < 2 || header.size() != below.size()) {
-    if (!file->csv_->Next(fields)) break;
+    if (!file->source_->Next(fields)) break;
     header = std::move(below);
     below.assign(fields.begin(), fields.end());
   }
-  MLE_RETURN_IF_ERROR(file->csv_->status());
+  MLE_RETURN_IF_ERROR(file->source_->status());
   if (header.empty()) header.swap(below);
   below.resize(header.size());
   const bool has_units =
-      !file->is_table_ &&
+      file->csv_ != nullptr &&
       std::none_of(below.begin(), below.end(), [](std::string_view text) {
         return text.find_first_of("0123456789") != std::string_view::npos;
       });
@@ -448,7 +416,7 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
       SplitTimeName(named, header).value_or(std::pair(named, named));
   HistorianColumns columns;
   columns.header = header;
-  columns.separator = file->csv_->separator();
+  columns.separator = file->report_.separator;
   columns.time_column = named;
   columns.is_long = file->is_long_;
   for (std::size_t c = 0; c < header.size(); ++c) {
@@ -496,7 +464,7 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
                        TimeRange::Create(options.begin, options.end, clock));
   MLE_ASSIGN_OR_RETURN(
       RecordRows rows,
-      RecordRows::Open(*file->csv_, channels, row_options, file->clock_));
+      RecordRows::Open(*file->source_, channels, row_options, file->clock_));
   std::vector<std::string> qualities;
   for (const RecordColumn& column : rows.columns()) {
     // What a suffix names is as declared.

@@ -4,18 +4,17 @@
 #ifndef MLE_DATA_HISTORIAN_FILE_H_
 #define MLE_DATA_HISTORIAN_FILE_H_
 
-#include <istream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "mle/data/csv_format.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian.h"
 #include "mle/data/record_clock.h"
 #include "mle/data/record_rows.h"
+#include "mle/data/row_source.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -35,6 +34,10 @@ struct HistorianColumns {
   // empty: the file has no tag, or several.
   std::string OnlyValue() const;
 };
+
+// The rows of a source; of a text with this separator.
+absl::StatusOr<std::unique_ptr<RowSource>> OpenRows(
+    const HistorianSource& source, char separator, const CsvLimits& limits);
 
 class HistorianFile {
  public:
@@ -66,8 +69,7 @@ class HistorianFile {
   double FractionRead() const;
 
  private:
-  HistorianFile(std::unique_ptr<std::istream> in, RecordClock clock)
-      : in_(std::move(in)), clock_(std::move(clock)) {}
+  explicit HistorianFile(RecordClock clock) : clock_(std::move(clock)) {}
 
   static absl::StatusOr<std::unique_ptr<HistorianFile>> Start(
       const HistorianSource& source, const ProcessModel& channels,
@@ -75,14 +77,15 @@ class HistorianFile {
       std::optional<double> origin);
   absl::Status SkipToHeader(const HistorianOptions& options,
                             const std::vector<std::string>& names);
-  CsvHead Head();
-  absl::Status TakeHeader(const CsvHead& head,
-                          const std::vector<std::string>& names);
-  absl::Status RecogniseColumns(const CsvHead& head,
-                                const std::vector<std::string>& names,
+  // The header and those rows below it that are whole.
+  std::vector<std::vector<std::string>> FirstRows();
+  std::string HeaderPlace() const;
+  absl::Status TakeHeader(const std::vector<std::string>& names);
+  absl::Status RecogniseText(const HistorianOptions& options,
+                             const std::vector<std::string>& names);
+  absl::Status RecogniseColumns(const std::vector<std::string>& names,
                                 const HistorianOptions& options);
-  absl::Status WidenLongTable(const CsvHead& head,
-                              const std::vector<std::string>& names,
+  absl::Status WidenLongTable(const std::vector<std::string>& names,
                               HistorianOptions options);
   absl::Status CheckUnderstood();
   absl::Status RecogniseRows(const ProcessModel& channels,
@@ -90,17 +93,16 @@ class HistorianFile {
   absl::Status RecogniseTable(const ProcessModel& channels,
                               const HistorianOptions& options);
 
-  std::unique_ptr<std::istream> in_;
   RecordClock clock_;
-  std::unique_ptr<CsvRows> csv_;
+  std::unique_ptr<RowSource> source_;
+  CsvRows* csv_ = nullptr;  // the source, where it is a text
   std::optional<RecordRows> rows_;
   ColumnOptions columns_;  // with the name of the time that was recognised
   FileReport report_;
   std::vector<ImportNote> notes_;
-  bool is_table_ = false;   // as of HistorianSource
   std::int64_t bytes_ = 0;  // of the text; 0: not known
   int header_line_ = 1;
-  std::string header_text_;  // of names that are given
+  bool has_given_header_ = false;
   int rows_below_header_ = 0;
   bool is_long_ = false;
   bool is_sparse_ = false;

@@ -4,11 +4,15 @@
 #include <cmath>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/usual_step.h"
+#include "mle/data/civil_time.h"
+#include "mle/data/csv_rows.h"
+#include "mle/data/joined_files.h"
+#include "mle/data/sampling.h"
 
 namespace mle {
 namespace {
@@ -138,8 +142,7 @@ absl::Status HistorianImporter::ChooseStepOfExceptions(
 }
 
 // An error for a row that does not follow the last, or `skip`.
-absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
-                                           const HistorianProbe& probe,
+absl::Status HistorianImporter::CheckOrder(const HistorianProbe& probe,
                                            const RowStream& rows, double time,
                                            bool is_first, bool& skip) {
   skip = false;
@@ -147,15 +150,14 @@ absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
   const bool is_repeated = time == last_time_;
   if (!(is_repeated ? options_.skip_repeated_times
                     : options_.skip_backward_times)) {
-    return OrderError(file, probe, rows, time, is_first);
+    return OrderError(probe, rows, time, is_first);
   }
   ++(is_repeated ? import_.report.repeated_rows : import_.report.backward_rows);
   skip = true;
   return absl::OkStatus();
 }
 
-absl::Status HistorianImporter::OrderError(const HistorianFile& file,
-                                           const HistorianProbe& probe,
+absl::Status HistorianImporter::OrderError(const HistorianProbe& probe,
                                            const RowStream& rows, double time,
                                            bool is_first) const {
   const bool is_repeated = time == last_time_;
@@ -165,10 +167,9 @@ absl::Status HistorianImporter::OrderError(const HistorianFile& file,
       is_repeated ? "stands twice"
                   : absl::StrCat("follows ", times.Short(last_time_)),
       "; times must increase");
-  const std::optional<double> seconds = file.clock().seconds_per_unit();
+  const std::optional<double> seconds = SecondsPerUnit(channels_.time_unit());
   const double hour = 3600.0 / seconds.value_or(1.0);
-  const bool has_dates = file.clock().has_dates();
-  if (seconds && !is_repeated && has_dates &&
+  if (seconds && !is_repeated && probe.has_dates &&
       std::abs(last_time_ - time + import_.report.step - hour) <
           0.5 * import_.report.step + 1e-9 * hour) {
     return OptionError(
@@ -177,11 +178,11 @@ absl::Status HistorianImporter::OrderError(const HistorianFile& file,
                      ". It goes back by an hour, as clocks do in autumn: "
                      "declare time_zone, such as time_zone = Europe/Berlin"));
   }
-  if (is_first && !has_dates) {
+  if (is_first && !probe.has_dates) {
     return OptionError(
         "separate_files",
         absl::StrCat(message, ". The files ", probes_[0].source.name, " and ",
-                     file.report().name,
+                     probe.source.name,
                      " have the same times: if each has a clock of its own, "
                      "separate_files = true takes them one after another"));
   }
@@ -309,18 +310,48 @@ std::string HistorianImporter::TooManySamples() const {
                       "; choose a longer sample_time, or read less at once");
 }
 
-absl::Status HistorianImporter::ShowProgress(const HistorianFile& file,
-                                             const FileReport& report) const {
+absl::Status HistorianImporter::ShowProgress(const FileReport& report,
+                                             double fraction) const {
   if (!options_.progress) return absl::OkStatus();
   const TimeNames times = import_.report.Times(channels_.time_unit());
   if (options_.progress({.source = report.name,
                          .rows = report.rows,
                          .reached = times.Short(report.last_time),
-                         .fraction = file.FractionRead()})) {
+                         .fraction = fraction})) {
     return absl::OkStatus();
   }
   return absl::CancelledError(
       absl::StrCat("stopped by the caller while reading ", report.name));
+}
+
+absl::Status HistorianImporter::TakeRows(RowStream& rows,
+                                         const HistorianProbe& probe,
+                                         const HistorianFile* file,
+                                         FileReport& report,
+                                         Resampler& resampler) {
+  const double shift = ShiftOf(probe);
+  RecordRow row;
+  while (rows.Next(row)) {
+    row.time += shift;
+    bool skip = false;
+    MLE_RETURN_IF_ERROR(
+        CheckOrder(probe, rows, row.time, report.rows == 0, skip));
+    if (report.rows == 0) report.first_time = row.time;
+    ++report.rows;
+    if (skip) continue;
+    has_last_ = true;
+    last_time_ = report.last_time = row.time;
+    if (!TakeRow(row, resampler)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(rows.TimePlace(), TooManySamples()));
+    }
+    MLE_RETURN_IF_ERROR(collector_->status());
+    if (report.rows % kRowsOfProgress == 0) {
+      MLE_RETURN_IF_ERROR(
+          ShowProgress(report, file == nullptr ? -1.0 : file->FractionRead()));
+    }
+  }
+  return rows.status();
 }
 
 absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
@@ -334,29 +365,7 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
   NoteForm(probe, report);
   const SpreadRows* spread = nullptr;
   const std::unique_ptr<RowStream> stream = StreamOf(*file, probe, spread);
-  RowStream& rows = *stream;
-  const double shift = ShiftOf(probe);
-  RecordRow row;
-  while (rows.Next(row)) {
-    row.time += shift;
-    bool skip = false;
-    MLE_RETURN_IF_ERROR(
-        CheckOrder(*file, probe, rows, row.time, report.rows == 0, skip));
-    if (report.rows == 0) report.first_time = row.time;
-    ++report.rows;
-    if (skip) continue;
-    has_last_ = true;
-    last_time_ = report.last_time = row.time;
-    if (!TakeRow(row, resampler)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(rows.TimePlace(), TooManySamples()));
-    }
-    MLE_RETURN_IF_ERROR(collector_->status());
-    if (report.rows % kRowsOfProgress == 0) {
-      MLE_RETURN_IF_ERROR(ShowProgress(*file, report));
-    }
-  }
-  MLE_RETURN_IF_ERROR(rows.status());
+  MLE_RETURN_IF_ERROR(TakeRows(*stream, probe, file.get(), report, resampler));
   NoteChannels(file->rows(), probe.is_unchanged);
   import_.report.rows += report.rows;
   import_.report.outside_rows += file->rows().passed_over();
@@ -420,6 +429,59 @@ absl::StatusOr<HistorianImport> HistorianImporter::Run(
     MLE_RETURN_IF_ERROR(ReadSource(probe, resampler));
   }
   return End(resampler);
+}
+
+namespace {
+
+// Where columns are missing, files may have a tag each.
+absl::StatusOr<HistorianImport> Import(
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
+    const HistorianOptions& options, RecordSink* sink) {
+  absl::StatusOr<HistorianImport> import =
+      HistorianImporter(channels, options, sink).Run(sources);
+  if (import.ok() || !absl::StrContains(OptionOf(import.status()), "tags")) {
+    return import;
+  }
+  const std::optional<JoinedFiles> joined =
+      JoinFiles(sources, channels, options);
+  if (!joined) return import;
+  import =
+      HistorianImporter(channels, joined->options, sink).Run({joined->source});
+  if (!import.ok()) return import;
+  import->report.notes.insert(
+      import->report.notes.begin(),
+      {absl::StrCat(sources.size(),
+                    " files with tags of their own, joined by their times."),
+       ""});
+  return import;
+}
+
+}  // namespace
+
+absl::StatusOr<HistorianImport> ImportHistorianSources(
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
+    const HistorianOptions& options, RecordSink* sink) {
+  MLE_RETURN_IF_ERROR(options.Validate(channels));
+  MLE_ASSIGN_OR_RETURN(HistorianImport import,
+                       Import(sources, channels, options, sink));
+  if (!import.records.empty()) return import;
+  const std::string& name = import.report.files[0].name;
+  const bool is_table = std::any_of(
+      sources.begin(), sources.end(), [&](const HistorianSource& source) {
+        return source.name == name && source.is_table;
+      });
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, ": ", CsvLineName(2, is_table),
+                   ", column 1: no two samples follow each other without a "
+                   "gap longer than max_gap"));
+}
+
+absl::StatusOr<HistorianImport> ImportHistorian(
+    const std::vector<std::string>& paths, const ProcessModel& channels,
+    const HistorianOptions& options) {
+  std::vector<HistorianSource> sources;
+  for (const std::string& path : paths) sources.push_back(FileSource(path));
+  return ImportHistorianSources(sources, channels, options);
 }
 
 }  // namespace mle

@@ -36,8 +36,9 @@ class HistorianImporter {
   absl::StatusOr<HistorianImport> Run(const std::vector<Table>& tables);
 
  private:
-  // A table whose columns are matched.
+  // A table whose columns are matched, and its rows.
   struct MatchedTable;
+  class TableRows;
 
   absl::Status Probe(const std::vector<HistorianSource>& sources);
   absl::Status ChooseSampleTime(const std::vector<double>& steps);
@@ -48,26 +49,19 @@ class HistorianImporter {
   absl::StatusOr<std::vector<MatchedTable>> MatchTables(
       const std::vector<Table>& tables);
   absl::Status ProbeTables(const std::vector<MatchedTable>& tables);
-  absl::Status ReadTable(const MatchedTable& matched, Resampler& resampler);
-  absl::Status ReadSample(const MatchedTable& matched, std::size_t source,
-                          std::size_t k, double& value);
-  absl::Status CheckOrder(const MatchedTable& matched, std::size_t k,
-                          double time, bool& skip);
-  void NoteTable(const MatchedTable& matched);
-  bool IsEven(const MatchedTable& matched) const;
-  absl::Status CopyTable(const MatchedTable& matched, Record& record,
-                         bool& usable);
-  absl::StatusOr<bool> TakeEvenTable(const MatchedTable& matched);
-  absl::Status ShowProgress(const HistorianFile& file,
-                            const FileReport& report) const;
+  absl::Status ReadTable(const MatchedTable& matched,
+                         const HistorianProbe& probe, Resampler& resampler);
+  // Rows of a file, or of a table (`file` null).
+  absl::Status TakeRows(RowStream& rows, const HistorianProbe& probe,
+                        const HistorianFile* file, FileReport& report,
+                        Resampler& resampler);
+  absl::Status ShowProgress(const FileReport& report, double fraction) const;
   // A row in order. False where there would be more samples than allowed.
   bool TakeRow(const RecordRow& row, Resampler& resampler);
   std::string TooManySamples() const;
-  absl::Status CheckOrder(const HistorianFile& file,
-                          const HistorianProbe& probe, const RowStream& rows,
+  absl::Status CheckOrder(const HistorianProbe& probe, const RowStream& rows,
                           double time, bool is_first, bool& skip);
-  absl::Status OrderError(const HistorianFile& file,
-                          const HistorianProbe& probe, const RowStream& rows,
+  absl::Status OrderError(const HistorianProbe& probe, const RowStream& rows,
                           double time, bool is_first) const;
   // What is added to times of a file that is a record of its own.
   double ShiftOf(const HistorianProbe& probe) const;

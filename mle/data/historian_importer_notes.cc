@@ -7,8 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
-#include "mle/data/column_value.h"
+#include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
+#include "mle/data/record_columns.h"
 
 namespace mle {
 namespace {

@@ -10,21 +10,17 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
-#include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/table_import.h"
 
 namespace mle {
 namespace {
 
 using Kind = RecordColumn::Kind;
-
-std::string PlaceIn(const Table& table, std::size_t row) {
-  return absl::StrCat(table.name, ": row ", row + 1);
-}
 
 std::vector<double> BadNumbers(const HistorianOptions& options) {
   std::vector<double> numbers;
@@ -101,6 +97,7 @@ absl::Status HistorianImporter::ProbeTables(
     probe.source.name = table.name;
     probe.has_dates = table.has_dates;
     probe.clock.time_zone = table.time_zone;
+    if (!table.has_dates) probe.first_time = matched.time(0);
     for (const MatchedTable::Source& source : matched.sources) {
       probe.has_set_points |= source.match.kind == Kind::kSetPoint;
     }
@@ -126,174 +123,84 @@ absl::Status HistorianImporter::ProbeTables(
   return ChooseSampleTime(steps);
 }
 
-absl::Status HistorianImporter::ReadSample(const MatchedTable& matched,
-                                           std::size_t source, std::size_t k,
-                                           double& value) {
-  const MatchedTable::Source& from = matched.sources[source];
+class HistorianImporter::TableRows : public RowStream {
+ public:
+  // Counts bad samples in `reports`, by value.
+  TableRows(const MatchedTable& matched, int num_values,
+            std::vector<ChannelReport>& reports)
+      : matched_(matched), num_values_(num_values), reports_(reports) {}
+
+  bool Next(RecordRow& row) override;
+  const absl::Status& status() const override { return status_; }
+  std::string TimePlace() const override {
+    return absl::StrCat(matched_.table->name, ": row ", rows_);
+  }
+
+ private:
+  bool ReadSample(const MatchedTable::Source& from, double& value);
+
+  const MatchedTable& matched_;
+  const int num_values_;
+  std::vector<ChannelReport>& reports_;
+  std::size_t rows_ = 0;  // so far
+  absl::Status status_;
+};
+
+bool HistorianImporter::TableRows::Next(RecordRow& row) {
+  if (!status_.ok() || rows_ == matched_.table->times.size()) return false;
+  row.time = matched_.time(rows_++);
+  row.values.assign(static_cast<std::size_t>(num_values_), kNaN);
+  return std::all_of(matched_.sources.begin(), matched_.sources.end(),
+                     [&](const MatchedTable::Source& from) {
+                       return ReadSample(from, row.values[from.value]);
+                     });
+}
+
+bool HistorianImporter::TableRows::ReadSample(const MatchedTable::Source& from,
+                                              double& value) {
   const double sample =
-      from.column->values[static_cast<std::ptrdiff_t>(k) * from.column->stride];
-  value = kNaN;
-  BadSampleCounts& bad = values_[from.value].bad;
+      from.column->values[static_cast<std::ptrdiff_t>(rows_ - 1) *
+                          from.column->stride];
+  BadSampleCounts& bad = reports_[from.value].bad;
   if (std::isnan(sample)) {
     ++bad.not_a_number;
-    return absl::OkStatus();
+    return true;
   }
-  if (std::find(matched.bad_numbers.begin(), matched.bad_numbers.end(),
-                sample) != matched.bad_numbers.end()) {
+  if (std::find(matched_.bad_numbers.begin(), matched_.bad_numbers.end(),
+                sample) != matched_.bad_numbers.end()) {
     ++bad.declared;
-    return absl::OkStatus();
+    return true;
   }
   const bool has_unit = from.match.scale != 1.0 || from.match.offset != 0.0;
   value = has_unit ? from.match.scale * sample + from.match.offset : sample;
-  if (std::abs(value) <= kLargestSample) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      PlaceIn(*matched.table, k), ", column '", ShowCsvText(from.column->name),
-      "': ", sample, " is not a finite number of at most ", kLargestSample,
-      ", or NaN for a bad sample",
-      has_unit ? ", once its unit is converted" : ""));
+  if (std::abs(value) <= kLargestSample) return true;
+  status_ = absl::InvalidArgumentError(
+      absl::StrCat(TimePlace(), ", column '", ShowCsvText(from.column->name),
+                   "': ", sample, " is not a finite number of at most ",
+                   kLargestSample, ", or NaN for a bad sample",
+                   has_unit ? ", once its unit is converted" : ""));
+  return false;
 }
 
-void HistorianImporter::NoteTable(const MatchedTable& matched) {
+absl::Status HistorianImporter::ReadTable(const MatchedTable& matched,
+                                          const HistorianProbe& probe,
+                                          Resampler& resampler) {
   for (const MatchedTable::Source& source : matched.sources) {
     NoteColumn(source.match);
   }
   const Table& table = *matched.table;
-  FileReport& file = import_.report.files.emplace_back();
-  file.name = table.name;
-  file.time_form = table.has_dates ? "dates" : "numbers";
-  file.rows = static_cast<std::int64_t>(table.times.size());
-  file.first_time = matched.time(0);
-  file.last_time = matched.time(table.times.size() - 1);
-  file.num_ignored_columns = static_cast<int>(matched.ignored.size());
-  file.ignored_columns = matched.ignored;
-  file.ignored_columns.resize(
+  FileReport report;
+  report.name = table.name;
+  report.time_form = table.has_dates ? "dates" : "numbers";
+  report.num_ignored_columns = static_cast<int>(matched.ignored.size());
+  report.ignored_columns = matched.ignored;
+  report.ignored_columns.resize(
       std::min<std::size_t>(matched.ignored.size(), 20));
-  import_.report.rows += file.rows;
-}
-
-absl::Status HistorianImporter::CheckOrder(const MatchedTable& matched,
-                                           std::size_t k, double time,
-                                           bool& skip) {
-  skip = has_last_ && !(time > last_time_);
-  if (!skip) return absl::OkStatus();
-  HistorianReport& report = import_.report;
-  const bool is_repeated = time == last_time_;
-  if (is_repeated ? options_.skip_repeated_times
-                  : options_.skip_backward_times) {
-    ++(is_repeated ? report.repeated_rows : report.backward_rows);
-    return absl::OkStatus();
-  }
-  const TimeNames times = report.Times(channels_.time_unit());
-  const char* const option =
-      is_repeated ? "skip_repeated_times" : "skip_backward_times";
-  return OptionError(
-      option,
-      absl::StrCat(
-          PlaceIn(*matched.table, k), ": time ", times.Short(time), " ",
-          is_repeated ? "stands twice"
-                      : absl::StrCat("follows ", times.Short(last_time_)),
-          "; times must increase, or such rows be ignored (", option,
-          " = true)"));
-}
-
-absl::Status HistorianImporter::ReadTable(const MatchedTable& matched,
-                                          Resampler& resampler) {
-  RecordRow row;
-  for (std::size_t k = 0; k < matched.table->times.size(); ++k) {
-    row.time = matched.time(k);
-    bool skip = false;
-    MLE_RETURN_IF_ERROR(CheckOrder(matched, k, row.time, skip));
-    if (skip) continue;
-    has_last_ = true;
-    last_time_ = row.time;
-    row.values.assign(num_values(), kNaN);
-    for (std::size_t s = 0; s < matched.sources.size(); ++s) {
-      MLE_RETURN_IF_ERROR(
-          ReadSample(matched, s, k, row.values[matched.sources[s].value]));
-    }
-    if (!TakeRow(row, resampler)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(PlaceIn(*matched.table, k), TooManySamples()));
-    }
-  }
+  TableRows rows(matched, num_values(), values_);
+  MLE_RETURN_IF_ERROR(TakeRows(rows, probe, nullptr, report, resampler));
+  import_.report.rows += report.rows;
+  import_.report.files.push_back(std::move(report));
   return absl::OkStatus();
-}
-
-// Every row is a sample, each Δt from the first on. The resampler would take
-// each as it is; without it a table is copied once.
-bool HistorianImporter::IsEven(const MatchedTable& matched) const {
-  constexpr double kSnap = 0.01;  // of Δt, as in resampler.cc
-  const HistorianReport& report = import_.report;
-  const std::size_t rows = matched.table->times.size();
-  // A step is rounded, and Δt may be given with all its digits.
-  if (std::abs(report.step / report.sample_time - 1.0) > 1e-5 ||
-      static_cast<std::int64_t>(rows) > options_.max_samples) {
-    return false;
-  }
-  for (std::size_t k = 0; k < rows; ++k) {
-    const double at = (matched.time(k) - matched.time(0)) / report.sample_time;
-    if (!(std::abs(at - static_cast<double>(k)) <= kSnap)) return false;
-  }
-  return true;
-}
-
-// `usable` becomes false where a row has no good sample at all: that leaves a
-// gap, as rows that are not there do.
-absl::Status HistorianImporter::CopyTable(const MatchedTable& matched,
-                                          Record& record, bool& usable) {
-  constexpr std::size_t kRowsAtOnce = 1024;  // which stay in the cache
-  const std::size_t rows = matched.table->times.size();
-  const auto samples = static_cast<Eigen::Index>(rows);
-  record.start_time = matched.time(0);
-  record.sample_time = import_.report.sample_time;
-  record.outputs.resize(channels_.num_outputs(), samples);
-  record.inputs.resize(channels_.num_inputs(), samples);
-  if (probes_[0].has_set_points) {
-    record.set_points.setConstant(channels_.num_outputs(), samples, kNaN);
-  }
-  std::vector<int> good(kRowsAtOnce);
-  for (std::size_t begin = 0; begin < rows && usable; begin += kRowsAtOnce) {
-    const std::size_t end = std::min(begin + kRowsAtOnce, rows);
-    std::fill(good.begin(), good.end(), 0);
-    for (std::size_t s = 0; s < matched.sources.size(); ++s) {
-      const RecordColumn& column = matched.sources[s].match;
-      const bool is_input = column.kind == Kind::kInput;
-      Eigen::MatrixXd& matrix = is_input ? record.inputs
-                                : column.kind == Kind::kOutput
-                                    ? record.outputs
-                                    : record.set_points;
-      for (std::size_t k = begin; k < end; ++k) {
-        double& value = matrix(column.channel, static_cast<Eigen::Index>(k));
-        MLE_RETURN_IF_ERROR(ReadSample(matched, s, k, value));
-        if (std::isnan(value)) continue;
-        // A mean of inputs has no negative zero.
-        if (is_input) value += 0.0;
-        ++good[k - begin];
-        ++good_[matched.sources[s].value];
-      }
-    }
-    usable =
-        std::find(good.begin(),
-                  good.begin() + static_cast<std::ptrdiff_t>(end - begin),
-                  0) == good.begin() + static_cast<std::ptrdiff_t>(end - begin);
-  }
-  return absl::OkStatus();
-}
-
-// Whether the table was taken without the resampler.
-absl::StatusOr<bool> HistorianImporter::TakeEvenTable(
-    const MatchedTable& matched) {
-  if (!IsEven(matched)) return false;
-  Record record;
-  bool usable = true;
-  MLE_RETURN_IF_ERROR(CopyTable(matched, record, usable));
-  if (usable) {
-    collector_->Take(std::move(record));
-    return true;
-  }
-  std::fill(good_.begin(), good_.end(), 0);
-  for (ChannelReport& channel : values_) channel.bad = {};
-  return false;
 }
 
 absl::StatusOr<HistorianImport> HistorianImporter::Run(
@@ -316,13 +223,8 @@ absl::StatusOr<HistorianImport> HistorianImporter::Run(
   }
   MLE_RETURN_IF_ERROR(ProbeTables(matched));
   Resampler resampler = Begin();
-  for (const MatchedTable& one : matched) NoteTable(one);
-  bool taken = false;
-  if (matched.size() == 1) {
-    MLE_ASSIGN_OR_RETURN(taken, TakeEvenTable(matched[0]));
-  }
-  for (const MatchedTable& one : matched) {
-    if (!taken) MLE_RETURN_IF_ERROR(ReadTable(one, resampler));
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    MLE_RETURN_IF_ERROR(ReadTable(matched[i], probes_[i], resampler));
   }
   return End(resampler);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,12 +11,91 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/empty_cells.h"
 #include "mle/data/historian_file.h"
-#include "mle/data/usual_step.h"
+#include "mle/data/record_rows.h"
+#include "mle/data/sampling.h"
 
 namespace mle {
 namespace {
+
+// Whether the empty fields of a wide table are bad samples, or stand for values
+// that have not changed, as historians write that report by exception.
+
+// Looks at rows one by one.
+class EmptyCells {
+ public:
+  void Add(const std::vector<double>& values);
+
+  // Half of the fields are empty and hardly a row is; every channel that is
+  // there has a sample now and then, at distances that vary. A slower tag among
+  // others, with a sample in every tenth row, is no such table.
+  bool MeanUnchanged() const;
+  // Of the channels that are there.
+  double share() const;
+
+ private:
+  struct Channel {
+    std::int64_t samples = 0;
+    std::int64_t last = 0;      // row of the last
+    std::int64_t shortest = 0;  // rows from one to the next
+    std::int64_t longest = 0;
+  };
+  std::vector<Channel> channels_;
+  std::int64_t rows_ = 0;
+  std::int64_t empty_rows_ = 0;
+};
+
+constexpr std::int64_t kFewestRows = 20;
+constexpr double kMostlyEmpty = 0.5;
+constexpr double kFewEmptyRows = 0.01;
+
+void EmptyCells::Add(const std::vector<double>& values) {
+  channels_.resize(values.size());
+  bool is_empty = true;
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    if (IsNoSample(values[v])) continue;
+    is_empty = false;
+    Channel& channel = channels_[v];
+    if (channel.samples > 0) {
+      const std::int64_t distance = rows_ - channel.last;
+      channel.longest = std::max(channel.longest, distance);
+      channel.shortest = channel.samples == 1
+                             ? distance
+                             : std::min(channel.shortest, distance);
+    }
+    ++channel.samples;
+    channel.last = rows_;
+  }
+  if (is_empty) ++empty_rows_;
+  ++rows_;
+}
+
+double EmptyCells::share() const {
+  std::int64_t samples = 0;
+  std::int64_t cells = 0;
+  for (const Channel& channel : channels_) {
+    if (channel.samples == 0) continue;
+    samples += channel.samples;
+    cells += rows_;
+  }
+  return cells == 0
+             ? 0.0
+             : 1.0 - static_cast<double>(samples) / static_cast<double>(cells);
+}
+
+bool EmptyCells::MeanUnchanged() const {
+  int sparse = 0;
+  int uneven = 0;
+  for (const Channel& channel : channels_) {
+    if (channel.samples < 3 || 2 * channel.samples > rows_) continue;
+    ++sparse;
+    if (channel.longest >= 2 * channel.shortest) ++uneven;
+  }
+  return rows_ >= kFewestRows && share() >= kMostlyEmpty &&
+         static_cast<double>(empty_rows_) <=
+             kFewEmptyRows * static_cast<double>(rows_) &&
+         sparse > 0 && 2 * uneven > sparse;
+}
 
 constexpr std::size_t kProbeRows = 4096;
 

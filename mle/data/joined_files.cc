@@ -8,12 +8,11 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/data/csv_rows.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
+#include "mle/data/row_source.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {
@@ -132,47 +131,107 @@ bool HasAnyDigit(std::string_view text) {
   return text.find_first_of("0123456789") != std::string_view::npos;
 }
 
-// The rows of a file as those of the long table.
-absl::Status AppendRows(const HistorianSource& source,
-                        const HistorianColumns& columns,
-                        const FileColumns& found, bool has_quality,
-                        const CsvLimits& limits, std::string& text) {
-  MLE_ASSIGN_OR_RETURN(const std::unique_ptr<std::istream> in, source.open());
-  CsvRows rows(*in, source.name, limits);
-  rows.set_separator(columns.separator);
-  rows.set_is_table(source.is_table);
-  std::vector<std::string_view> fields;
-  const auto is_header = [&] {
-    return std::equal(fields.begin(), fields.end(), columns.header.begin(),
-                      columns.header.end());
-  };
-  while (rows.Next(fields) && !is_header()) {
+// A file and what it has of the long table.
+struct JoinedFile {
+  HistorianSource source;
+  HistorianColumns columns;
+  FileColumns found;
+};
+
+// The rows of files one after another as those of a long table.
+class JoinedRows : public RowSource {
+ public:
+  JoinedRows(std::string name,
+             std::shared_ptr<const std::vector<JoinedFile>> files,
+             std::string quality, const CsvLimits& limits)
+      : RowSource(std::move(name)),
+        files_(std::move(files)),
+        quality_(std::move(quality)),
+        limits_(limits) {}
+
+  bool Next(std::vector<std::string_view>& fields) override;
+  std::unique_ptr<RowSource> Preview() override {
+    return std::make_unique<JoinedRows>(source(), files_, quality_, limits_);
   }
-  rows.set_skips_comments();
-  while (rows.Next(fields)) {
-    if (static_cast<int>(fields.size()) <= found.last()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          rows.Place(static_cast<int>(fields.size())), ": the row ends after ",
-          fields.size(), " fields, before its ", found.last() + 1, "th"));
-    }
-    std::string time(TrimCsvField(fields[found.time]));
-    if (!HasAnyDigit(time)) continue;  // units, or the header again
-    if (found.time_part >= 0) {
-      time = JoinTimeFields(time, fields[found.time_part]);
-    }
-    for (const TagColumn& tag : found.tags) {
-      absl::StrAppend(&text, QuoteCsvField(time), ",", QuoteCsvField(tag.tag),
-                      ",", QuoteCsvField(TrimCsvField(fields[tag.value])));
-      if (has_quality) {
-        text += ',';
-        text += found.quality < 0
-                    ? "Good"
-                    : QuoteCsvField(TrimCsvField(fields[found.quality]));
+
+ private:
+  bool Open();
+  bool NextRow();
+
+  const std::shared_ptr<const std::vector<JoinedFile>> files_;
+  const std::string quality_;  // the name of its column; empty: none
+  const CsvLimits limits_;
+  std::size_t file_ = 0;
+  std::unique_ptr<RowSource> rows_;  // of the file; null before it is opened
+  std::vector<std::string_view> row_;
+  std::string time_;
+  std::size_t tag_ = 0;  // the next one of the row
+};
+
+// The next file, up to its header.
+bool JoinedRows::Open() {
+  const JoinedFile& file = (*files_)[file_];
+  absl::StatusOr<std::unique_ptr<RowSource>> rows =
+      OpenRows(file.source, file.columns.separator, limits_);
+  status_ = rows.status();
+  if (!status_.ok()) return false;
+  rows_ = *std::move(rows);
+  while (rows_->Next(row_) &&
+         !std::equal(row_.begin(), row_.end(), file.columns.header.begin(),
+                     file.columns.header.end())) {
+  }
+  rows_->set_skips_comments();
+  return true;
+}
+
+// The next row that has a time, of any file.
+bool JoinedRows::NextRow() {
+  while (file_ < files_->size()) {
+    if (rows_ == nullptr && !Open()) return false;
+    const FileColumns& found = (*files_)[file_].found;
+    while (rows_->Next(row_)) {
+      if (static_cast<int>(row_.size()) <= found.last()) {
+        status_ = absl::InvalidArgumentError(
+            absl::StrCat(rows_->Place(static_cast<int>(row_.size())),
+                         ": the row ends after ", row_.size(),
+                         " fields, before its ", found.last() + 1, "th"));
+        return false;
       }
-      text += '\n';
+      time_ = std::string(TrimCsvField(row_[found.time]));
+      if (!HasAnyDigit(time_)) continue;  // units, or the header again
+      if (found.time_part >= 0) {
+        time_ = JoinTimeFields(time_, row_[found.time_part]);
+      }
+      tag_ = 0;
+      return true;
     }
+    status_ = rows_->status();
+    if (!status_.ok()) return false;
+    rows_.reset();
+    ++file_;
   }
-  return rows.status();
+  return false;
+}
+
+bool JoinedRows::Next(std::vector<std::string_view>& fields) {
+  if (!status_.ok()) return false;
+  if (++row_line_ == 1) {
+    fields = {"time", "tag", "value"};
+    if (!quality_.empty()) fields.push_back(quality_);
+    return true;
+  }
+  const bool is_first = rows_ == nullptr;
+  if (is_first || tag_ == (*files_)[file_].found.tags.size()) {
+    if (!NextRow()) return false;
+  }
+  const FileColumns& found = (*files_)[file_].found;
+  const TagColumn& tag = found.tags[tag_++];
+  fields = {time_, tag.tag, TrimCsvField(row_[tag.value])};
+  if (!quality_.empty()) {
+    fields.push_back(found.quality < 0 ? "Good"
+                                       : TrimCsvField(row_[found.quality]));
+  }
+  return true;
 }
 
 std::string NameOfAll(const std::vector<HistorianSource>& sources) {
@@ -220,7 +279,7 @@ std::vector<std::string> TagsOf(const HistorianSource& source,
   return columns.names;
 }
 
-absl::StatusOr<std::optional<JoinedFiles>> JoinFiles(
+std::optional<JoinedFiles> JoinFiles(
     const std::vector<HistorianSource>& sources, const ProcessModel& channels,
     const HistorianOptions& options) {
   if (sources.size() < 2 || options.clocks.size() > 1 ||
@@ -228,44 +287,36 @@ absl::StatusOr<std::optional<JoinedFiles>> JoinFiles(
     return std::nullopt;
   }
   const std::vector<std::string> wanted = WantedTags(channels, options.columns);
-  std::vector<HistorianColumns> columns;
-  std::vector<FileColumns> found;
+  auto files = std::make_shared<std::vector<JoinedFile>>();
   std::set<std::string> tags;
   std::set<QualityKind> kinds;
   std::size_t most = 0;
   for (const HistorianSource& source : sources) {
-    const absl::StatusOr<HistorianColumns> of_file =
+    const absl::StatusOr<HistorianColumns> columns =
         HistorianFile::Columns(source, channels, options);
-    if (!of_file.ok()) return std::nullopt;
-    const auto file = FindColumns(source, *of_file, wanted, options.columns);
-    if (!file) return std::nullopt;
-    for (const TagColumn& tag : file->tags) tags.insert(tag.tag);
-    if (file->quality >= 0) kinds.insert(file->kind);
-    most = std::max(most, file->tags.size());
-    columns.push_back(*of_file);
-    found.push_back(*file);
+    if (!columns.ok()) return std::nullopt;
+    const auto found = FindColumns(source, *columns, wanted, options.columns);
+    if (!found) return std::nullopt;
+    for (const TagColumn& tag : found->tags) tags.insert(tag.tag);
+    if (found->quality >= 0) kinds.insert(found->kind);
+    most = std::max(most, found->tags.size());
+    files->push_back({source, *columns, *found});
   }
   if (tags.size() <= most || kinds.size() > 1) return std::nullopt;
   JoinedFiles joined = {{}, options};
-  std::string text = "time,tag,value";
-  joined.options.columns.quality_column.clear();
-  if (!kinds.empty()) {
-    joined.options.columns.quality_column = UsualQualityName(*kinds.begin());
-    absl::StrAppend(&text, ",", joined.options.columns.quality_column);
-  }
-  text += '\n';
-  for (std::size_t f = 0; f < sources.size(); ++f) {
-    MLE_RETURN_IF_ERROR(AppendRows(sources[f], columns[f], found[f],
-                                   !kinds.empty(), options.limits, text));
-  }
-  joined.source = TextSource(NameOfAll(sources), std::move(text));
   joined.options.columns.time_column = ColumnOptions().time_column;
   joined.options.columns.tag_column = "tag";
   joined.options.columns.value_column = "value";
-  joined.options.separator = 0;
-  joined.options.lines_above_header = 0;
-  joined.options.rows_below_header = 0;
-  joined.options.header.clear();
+  joined.options.columns.quality_column =
+      kinds.empty() ? "" : UsualQualityName(*kinds.begin());
+  joined.source.name = NameOfAll(sources);
+  joined.source.open_rows =
+      [name = joined.source.name, files,
+       quality = joined.options.columns.quality_column,
+       limits =
+           options.limits]() -> absl::StatusOr<std::unique_ptr<RowSource>> {
+    return std::make_unique<JoinedRows>(name, files, quality, limits);
+  };
   return joined;
 }
 

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "mle/data/historian.h"
 #include "mle/data/historian_file.h"
 #include "mle/model/process_model.h"
@@ -37,7 +36,7 @@ struct JoinedFiles {
 
 // Nothing where files do not have tags of their own: each has the same, or one
 // is not understood.
-absl::StatusOr<std::optional<JoinedFiles>> JoinFiles(
+std::optional<JoinedFiles> JoinFiles(
     const std::vector<HistorianSource>& sources, const ProcessModel& channels,
     const HistorianOptions& options);
 

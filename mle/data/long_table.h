@@ -1,27 +1,15 @@
-// Long tables, with a row for each sample (tag, time, value and perhaps its
-// quality), turned into wide ones, with a row for each time. Internal to
-// mle/data.
-//
-//   tag;time;value                       time,TI101,FC7
-//   TI101;2024-03-04 06:00;71.3   →      2024-03-04 06:00,71.3,12
-//   FC7;2024-03-04 06:00;12              2024-03-04 06:01,71.4,
-//   TI101;2024-03-04 06:01;71.4
-//
-// Fields keep their text, so that everything else is that of wide tables.
+// Long tables, with a row for each sample: which column holds what. Internal to
+// mle/data; wide_rows.h reads them.
 
 #ifndef MLE_DATA_LONG_TABLE_H_
 #define MLE_DATA_LONG_TABLE_H_
 
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "mle/data/csv_rows.h"
-#include "mle/data/historian.h"
-#include "mle/data/record_clock.h"
+#include "mle/data/record_columns.h"
 
 namespace mle {
 
@@ -36,9 +24,6 @@ struct LongColumns {
   std::vector<int> other_qualities = {};
 };
 
-// Names that columns of times have, folded (nearest_names.h).
-const std::vector<std::string>& UsualTimeColumns();
-
 // Names of such columns, for the header to be found by.
 std::vector<std::string> LongColumnNames(const ColumnOptions& options);
 
@@ -51,31 +36,6 @@ absl::StatusOr<std::optional<LongColumns>> FindLongColumns(
     const std::vector<std::string>& header,
     const std::vector<std::vector<std::string>>& rows,
     const std::vector<std::string>& channels, const ColumnOptions& options);
-
-struct WideTable {
-  std::string text;        // separated by commas
-  CsvRows::Origin origin;  // of its fields, in the long table
-  std::vector<std::string> tags;
-  // Every tag of which samples are kept has one at every time.
-  bool is_complete = true;
-  // Rows that are left out: at a time already read, comments and the header
-  // again.
-  std::int64_t repeated_rows = 0;
-  std::int64_t comment_rows = 0;
-};
-
-// Reads all rows below the header. Of tags that are not among `channels` no
-// sample is kept, so that memory is that of the samples asked for; they are
-// left out if other columns are to be ignored, else columns without samples. If
-// repeated times are to be spread, samples of a tag at one time are rows of
-// their own. InvalidArgument for a time that `clock` does not read, two samples
-// of a tag at one time, and more than 4 · options.max_samples samples.
-absl::StatusOr<WideTable> WidenTable(CsvRows& rows,
-                                     const std::vector<std::string>& header,
-                                     const LongColumns& columns,
-                                     const std::vector<std::string>& channels,
-                                     const HistorianOptions& options,
-                                     RecordClock clock);
 
 }  // namespace mle
 

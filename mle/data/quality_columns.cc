@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "absl/strings/str_split.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/data/historian.h"
 #include "mle/data/nearest_names.h"
 
 namespace mle {
@@ -72,7 +72,37 @@ bool IsOneOf(const std::string& text, const std::vector<std::string>& list) {
   return std::find(list.begin(), list.end(), text) != list.end();
 }
 
+constexpr char kBadWords[] =
+    "bad, bad input, bad data, bad quality, i/o timeout, io timeout, "
+    "timeout, time out, no data, no value, no result, no sample, no "
+    "status, not connected, not connect, inst fail, comm fail, comm "
+    "failure, pt created, point created, shutdown, intf shut, scan off, "
+    "scan timeout, out of serv, out of service, configure, calc failed, "
+    "calc fail, calc timeout, calc off, calc crash, not converge, set "
+    "to bad, arc off-line, arc offline, over range, under range, over "
+    "rngcheck, under rngcheck, inp outrange, unit down, equip fail, dcs "
+    "failed, no lab data, trace off, wave off, nonumeric, filter error, "
+    "invalid data, invalid float, doubtful, initial, suspect, "
+    "inaccessible, unusable, failed, fail, badpv, badval, unknown, "
+    "uncertain, not available, unavailable, inactive, disabled, "
+    "off-scan, offscan, off scan, comm error, no comm, error, null, "
+    "none, nil, na, n/a, #n/a, #value!, #div/0!, #ref!, #num!, #name?, "
+    "-, --, ---, ----, -----, ?, ?\?, ?\??, ?\??\?, *, **, ***, ****, "
+    "*****, missing, invalid";
+
 }  // namespace
+
+const std::vector<std::string>& KnownBadWords() {
+  static const auto& words =
+      *new std::vector<std::string>(absl::StrSplit(kBadWords, ", "));
+  return words;
+}
+
+const std::vector<std::string>& UsualGoodQualities() {
+  static const auto& values =
+      *new std::vector<std::string>{"good", "ok", "192"};
+  return values;
+}
 
 std::optional<QualityName> QualityOfName(
     std::string_view name, const std::vector<std::string_view>& columns) {
@@ -96,12 +126,8 @@ std::optional<QualityName> QualityOfName(
   return QualityName{{}, word->kind};
 }
 
-bool AreUsualSuffixes(const std::vector<std::string>& suffixes) {
-  return suffixes == ColumnOptions().quality_suffixes;
-}
-
 bool AreUsualQualities(const std::vector<std::string>& good) {
-  return good == HistorianOptions().good_qualities;
+  return good == UsualGoodQualities();
 }
 
 std::string UsualQualityName(QualityKind kind) {

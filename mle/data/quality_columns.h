@@ -12,9 +12,23 @@
 #include <string_view>
 #include <vector>
 
-#include "mle/data/record_columns.h"
-
 namespace mle {
+
+// What a quality column holds.
+enum class QualityKind {
+  kCode,        // a word or a number: Good, 192
+  kFlag,        // whether the sample is good
+  kFault,       // whether it is not (questionable, substituted)
+  kConfidence,  // per cent
+};
+
+// Words for bad samples, whatever their case: Bad, Bad Input, No Data, I/O
+// Timeout, null, N/A, …
+const std::vector<std::string>& KnownBadWords();
+
+// Values of quality columns that mean good unless others are declared: good, ok
+// and 192.
+const std::vector<std::string>& UsualGoodQualities();
 
 // What a name says of quality.
 struct QualityName {

@@ -1,5 +1,4 @@
-// Test for drift and steps in a part that should be at rest. Internal to
-// mle/data.
+// Test for drift and steps in a part that should be at rest.
 //
 // Under the null hypothesis the samples are white noise about a constant. A
 // trend is tested by its slope, a step by the largest difference of the means
@@ -9,9 +8,24 @@
 #define MLE_DATA_QUIET_PART_H_
 
 #include "mle/data/robust_statistics.h"
-#include "mle/data/set_point_windows.h"
 
 namespace mle {
+
+// A quiet part of an output, less the model's response to the inputs, with
+// which control compensates disturbances of the output.
+struct QuietPart {
+  enum class Verdict {
+    kUnknown,    // too short to say
+    kQuiet,      // noise about a constant
+    kDrifting,   // a trend
+    kDisturbed,  // a step
+  };
+  Verdict verdict = Verdict::kUnknown;
+  double noise = 0.0;       // standard deviation of its white part
+  double size = 0.0;        // of the trend over the part, or of the step
+  double deviations = 0.0;  // `size` over its standard error in white noise
+  double time = 0.0;        // of the step
+};
 
 // Thresholds above which a part is not quiet.
 struct QuietLimits {

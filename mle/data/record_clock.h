@@ -17,20 +17,10 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "mle/data/clock_options.h"
 #include "mle/data/time_format.h"
 
 namespace mle {
-
-struct ClockOptions {
-  TimeFormat format = TimeFormat::kRecognise;
-  // Of kPattern (time_pattern.h).
-  std::string pattern = {};
-  // Unit of times that are numbers: ms, s, min, h, d; empty: the model's.
-  std::string number_unit = {};
-  // Of dates without a zone, as the IANA names it ("Europe/Berlin"); empty:
-  // UTC, or local time that has no change of clocks in it.
-  std::string time_zone = {};
-};
 
 class RecordClock {
  public:

@@ -12,10 +12,37 @@
 #include "absl/status/status.h"
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
-#include "mle/data/record_builder.h"
 #include "mle/data/record_sink.h"
 
 namespace mle {
+
+// Bad samples between good ones, up to `max_samples` in a row, are filled with
+// the value before them; those of outputs stay bad. An input that moves at
+// every so many samples only, as a controller moves it, is held up to the last
+// such instant in the gap, and has the value after the gap from there on;
+// eleven moves or more must show it. Returns how many samples were filled in
+// each channel: outputs (none), set points, inputs (2p + m).
+std::vector<int> BridgeGaps(int max_samples, Record& record);
+
+// A record that grows sample by sample, without ever being in memory twice.
+class RecordBuilder {
+ public:
+  RecordBuilder(int num_outputs, int num_inputs)
+      : num_outputs_(num_outputs), num_inputs_(num_inputs) {}
+
+  // 2p + m values: outputs, set points, inputs.
+  void Add(const std::vector<double>& values);
+  int samples() const { return samples_; }
+
+  // The record; nothing is left. `with_set_points`: if not, it has none.
+  Record Take(double start_time, double sample_time, bool with_set_points);
+
+ private:
+  int num_outputs_;
+  int num_inputs_;
+  int samples_ = 0;
+  std::vector<std::vector<double>> blocks_;  // sample after sample
+};
 
 struct CollectorOptions {
   int num_outputs = 0;  // p
@@ -33,8 +60,6 @@ class RecordCollector {
 
   // `begins`: a record begins with this sample.
   void Add(bool begins, double time, const std::vector<double>& values);
-  // A whole record at once.
-  void Take(Record record);
   // To be called after the last sample.
   void Finish();
 

@@ -12,7 +12,6 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
-#include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
@@ -352,6 +351,10 @@ absl::Status Matching::Check() {
 }
 
 }  // namespace
+
+bool AreUsualSuffixes(const std::vector<std::string>& suffixes) {
+  return suffixes == ColumnOptions().quality_suffixes;
+}
 
 std::string SetPointName(std::string_view output) {
   return std::string(output).append(kSetPointSuffix);

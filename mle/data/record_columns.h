@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/data/quality_columns.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -21,14 +22,6 @@ bool IsSetPointName(std::string_view name);
 
 // Whether a tag of a plant has the ending of a set point: SP, SV, setpoint.
 bool IsSetPointTag(std::string_view tag);
-
-// What a quality column holds.
-enum class QualityKind {
-  kCode,        // a word or a number: Good, 192
-  kFlag,        // whether the sample is good
-  kFault,       // whether it is not (questionable, substituted)
-  kConfidence,  // per cent
-};
 
 struct RecordColumn {
   enum class Kind {
@@ -101,6 +94,23 @@ absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
 absl::StatusOr<std::vector<RecordColumn>> MatchHeader(
     const std::vector<std::string_view>& header, const ProcessModel& channels,
     const ColumnOptions& options);
+
+// Where the samples of a column stand in a row of values: the p outputs, their
+// p set points, the m inputs. −1 for what has no samples: times, qualities,
+// other columns.
+inline int ValueOf(const RecordColumn& column, const ProcessModel& channels) {
+  const int p = channels.num_outputs();
+  switch (column.kind) {
+    case RecordColumn::Kind::kOutput:
+      return column.channel;
+    case RecordColumn::Kind::kSetPoint:
+      return p + column.channel;
+    case RecordColumn::Kind::kInput:
+      return 2 * p + column.channel;
+    default:
+      return -1;
+  }
+}
 
 }  // namespace mle
 

@@ -14,11 +14,12 @@
 #include "mle/base/double_limits.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/csv_rows.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {
@@ -75,7 +76,7 @@ bool RecordRows::Vocabulary::Contains(double number) const {
   return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
 }
 
-RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
+RecordRows::RecordRows(RowSource& csv, const RecordRowsOptions& options,
                        RecordClock& clock)
     : csv_(&csv),
       clock_(&clock),
@@ -88,7 +89,7 @@ RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
       word_values_(options.columns.word_values),
       range_(options.range) {}
 
-absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
+absl::StatusOr<RecordRows> RecordRows::Open(RowSource& csv,
                                             const ProcessModel& channels,
                                             const RecordRowsOptions& options,
                                             RecordClock& clock) {

@@ -20,25 +20,14 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/data/csv_rows.h"
+#include "mle/data/historian.h"
 #include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
+#include "mle/data/row_source.h"
 #include "mle/data/time_range.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
-
-// Why samples are bad.
-struct BadSampleCounts {
-  std::int64_t empty = 0;
-  std::int64_t not_a_number = 0;  // NaN
-  std::int64_t declared = 0;      // a bad value or a bad word
-  std::int64_t quality = 0;       // by the quality column
-
-  std::int64_t total() const {
-    return empty + not_a_number + declared + quality;
-  }
-};
 
 struct RecordRowsOptions {
   ColumnOptions columns;
@@ -73,8 +62,8 @@ struct RecordRow {
 class RecordRows {
  public:
   // Takes the header. `csv` and `clock` must outlive the rows. InvalidArgument
-  // as of MatchHeader() and CsvRows.
-  static absl::StatusOr<RecordRows> Open(CsvRows& csv,
+  // as of MatchHeader() and RowSource.
+  static absl::StatusOr<RecordRows> Open(RowSource& csv,
                                          const ProcessModel& channels,
                                          const RecordRowsOptions& options,
                                          RecordClock& clock);
@@ -113,7 +102,7 @@ class RecordRows {
     bool Contains(double number) const;
   };
 
-  RecordRows(CsvRows& csv, const RecordRowsOptions& options,
+  RecordRows(RowSource& csv, const RecordRowsOptions& options,
              RecordClock& clock);
 
   bool ReadSample(std::string_view field, double& sample,
@@ -128,7 +117,7 @@ class RecordRows {
   void TakeQuality(RecordRow& row);
   bool NotReadable(std::size_t c, std::string_view wanted);
 
-  CsvRows* csv_;
+  RowSource* csv_;
   RecordClock* clock_;
   char decimal_;
   Vocabulary bad_values_;

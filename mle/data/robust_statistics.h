@@ -31,6 +31,11 @@ double WhiteDeviation(const SampleRow& samples);
 // their number. NaN without samples.
 double TrimmedMean(const SampleRow& samples, int& used);
 
+// The largest step of which most differences between neighbours are whole
+// multiples; 0 if no such step exists, or if it is negligible: below a fiftieth
+// of `noise` (or of the usual difference, if `noise` is 0).
+double FindQuantum(const std::vector<SampleRow>& rows, double noise);
+
 }  // namespace mle
 
 #endif  // MLE_DATA_ROBUST_STATISTICS_H_

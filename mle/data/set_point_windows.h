@@ -18,6 +18,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/data/quiet_part.h"
 #include "mle/data/record.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
@@ -60,22 +61,6 @@ struct WindowOptions {
   TimeNames times = {};
 
   absl::Status Validate() const;
-};
-
-// A quiet part of an output, less the model's response to the inputs, with
-// which control compensates disturbances of the output.
-struct QuietPart {
-  enum class Verdict {
-    kUnknown,    // too short to say
-    kQuiet,      // noise about a constant
-    kDrifting,   // a trend
-    kDisturbed,  // a step
-  };
-  Verdict verdict = Verdict::kUnknown;
-  double noise = 0.0;       // standard deviation of its white part
-  double size = 0.0;        // of the trend over the part, or of the step
-  double deviations = 0.0;  // `size` over its standard error in white noise
-  double time = 0.0;        // of the step
 };
 
 struct SetPointWindow {

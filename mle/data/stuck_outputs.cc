@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "mle/base/status.h"
-#include "mle/data/quantum.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/model/process_simulator.h"
 

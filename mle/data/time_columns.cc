@@ -7,9 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/absl_view.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/data/historian.h"
-#include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/quality_columns.h"
 
 namespace mle {
 namespace {
@@ -80,6 +79,16 @@ std::vector<const std::vector<std::string>*> SampleRows(
 }
 
 }  // namespace
+
+const std::vector<std::string>& UsualTimeColumns() {
+  static const auto& names = *new std::vector<std::string>{
+      "time",         "timestamp",    "datetime",      "date",
+      "ts",           "date/time",    "ip_trend_time", "_time",
+      "last_changed", "last_updated", "t_stamp",       "sampletime",
+      "timestamputc", "utctime",      "localtime",     "date_time",
+      "zeitstempel",  "logtime",      "eventtime"};
+  return names;
+}
 
 std::string JoinTimeFields(std::string_view first, std::string_view second) {
   first = TrimCsvField(first);

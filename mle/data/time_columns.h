@@ -15,6 +15,9 @@
 
 namespace mle {
 
+// Names that columns of times have, folded (nearest_names.h).
+const std::vector<std::string>& UsualTimeColumns();
+
 // "2024-01-01" and "08:15" are "2024-01-01 08:15", "2024-01-01 00:00:00" and
 // "08:15" too; "08:15:01" and "500" are "08:15:01.500".
 std::string JoinTimeFields(std::string_view first, std::string_view second);

@@ -13,23 +13,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "mle/data/clock_options.h"
 #include "mle/data/time_pattern.h"
 
 namespace mle {
-
-enum class TimeFormat {
-  kRecognise,         // a form that is certain, as the first row has it
-  kNumbers,           // in ClockOptions::number_unit
-  kIso,               // 2024-02-29T12:34:56Z, with another zone or none
-  kDayFirst,          // 29.02.2024 12:34:56, 29/2/24 12:34
-  kMonthFirst,        // 2/29/2024 12:34:56 PM
-  kYearFirst,         // 2024/02/29 12:34:56
-  kMonthName,         // 29-Feb-24 12:34:56.0
-  kExcel,             // 45351.5242: days since 1899-12-30
-  kUnix,              // 1709210096: seconds since 1970
-  kUnixMilliseconds,  // 1709210096000
-  kPattern,           // ClockOptions::pattern
-};
 
 // Numbers that stand for dates.
 struct SerialTime {

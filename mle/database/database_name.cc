@@ -1,24 +1,73 @@
 #include "mle/database/database_name.h"
 
+#include <libpq-fe.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
-#include "mle/database/postgresql_uri.h"
-#include "mle/database/record_sources.h"
 
 namespace mle {
 namespace {
 
-absl::string_view View(std::string_view text) {
-  return {text.data(), text.size()};
+// Of an unreachable host, unless somebody has said otherwise.
+constexpr char kConnectTimeout[] = "15";
+
+constexpr char kRemedy[] =
+    "set PGPASSWORD in the environment, or have it in ~/.pgpass or a service "
+    "of ~/.pg_service.conf (postgresql:///?service=NAME); on a terminal it is "
+    "asked for";
+
+// That a name has a password in it, and where it should be instead.
+absl::Status PasswordError(std::string_view kind, std::string_view remedy) {
+  return absl::InvalidArgumentError(absl::StrCat(
+      "the name of the ", AbslView(kind),
+      " database has a password in it, which others could read in the list of "
+      "processes and in results; take it out, and ",
+      AbslView(remedy)));
+}
+
+// "//user:word@host", also where a library would not read it so.
+bool HasPasswordOfUser(std::string_view uri) {
+  const std::size_t begin = uri.find("//");
+  if (begin == std::string_view::npos) return false;
+  const std::string_view rest = uri.substr(begin + 2);
+  const std::size_t at = rest.rfind('@');
+  if (at == std::string_view::npos) return false;
+  const std::string user = absl::AsciiStrToLower(AbslView(rest.substr(0, at)));
+  return absl::StrContains(user, ":") || absl::StrContains(user, "%3a");
+}
+
+// Nothing of it is repeated: a password may stand anywhere.
+absl::Status NotAUri() {
+  return absl::InvalidArgumentError(
+      "the URI of the PostgreSQL database cannot be read; it must be of the "
+      "form postgresql://USER@HOST:PORT/NAME?PARAMETER=VALUE");
+}
+
+// As a parameter of the URI; letters and digits alone go unchanged.
+void Add(std::string_view keyword, std::string_view value, std::string& uri) {
+  absl::StrAppend(&uri, uri.back() == '?' ? "" : "&", AbslView(keyword), "=");
+  for (const char c : value) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (absl::ascii_isalnum(byte)) {
+      uri += c;
+    } else {
+      absl::StrAppend(&uri, "%", absl::Hex(byte, absl::kZeroPad2));
+    }
+  }
 }
 
 bool IsPostgresql(std::string_view text) {
-  return absl::StartsWithIgnoreCase(View(text), "postgresql://") ||
-         absl::StartsWithIgnoreCase(View(text), "postgres://");
+  return absl::StartsWithIgnoreCase(AbslView(text), "postgresql://") ||
+         absl::StartsWithIgnoreCase(AbslView(text), "postgres://");
 }
 
 // Whether what stands under this key is for nobody's eyes: PWD, SSLPassword,
@@ -41,7 +90,8 @@ bool IsSecret(std::string_view key) {
 
 // Of "KEY=VALUE;KEY=VALUE", with another mark between them.
 bool HasSecret(std::string_view text, char separator) {
-  for (const absl::string_view part : absl::StrSplit(View(text), separator)) {
+  for (const absl::string_view part :
+       absl::StrSplit(AbslView(text), separator)) {
     const std::vector<absl::string_view> pair =
         absl::StrSplit(part, absl::MaxSplits('=', 1));
     if (pair.size() == 2 && IsSecret({pair[0].data(), pair[0].size()})) {
@@ -54,8 +104,9 @@ bool HasSecret(std::string_view text, char separator) {
 absl::StatusOr<DatabaseName> ParsePostgresql(std::string_view text) {
   // libpq wants the scheme in lower case.
   const std::size_t end = text.find("://");
-  const std::string uri = absl::StrCat(
-      absl::AsciiStrToLower(View(text.substr(0, end))), View(text.substr(end)));
+  const std::string uri =
+      absl::StrCat(absl::AsciiStrToLower(AbslView(text.substr(0, end))),
+                   AbslView(text.substr(end)));
   MLE_RETURN_IF_ERROR(PostgresqlParameters(uri, "").status());
   return DatabaseName{DatabaseKind::kPostgresql, std::string(text), uri};
 }
@@ -107,52 +158,15 @@ absl::StatusOr<DatabaseName> ParseOdbc(std::string_view text) {
                       std::string(place)};
 }
 
-// "mysql" of mysql://…; empty for text that does not begin so.
-std::string_view SchemeOf(std::string_view text) {
-  const std::size_t end = text.find("://");
-  if (end == std::string_view::npos || end == 0) return {};
-  for (const char c : text.substr(0, end)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (!absl::ascii_isalnum(byte) && c != '+' && c != '-' && c != '.') {
-      return {};
-    }
-  }
-  return text.substr(0, end);
-}
-
 }  // namespace
-
-absl::Status PasswordError(std::string_view kind, std::string_view remedy) {
-  return absl::InvalidArgumentError(absl::StrCat(
-      "the name of the ", View(kind),
-      " database has a password in it, which others could read in the list of "
-      "processes and in results; take it out, and ",
-      View(remedy)));
-}
-
-bool HasPasswordOfUser(std::string_view uri) {
-  const std::size_t begin = uri.find("//");
-  if (begin == std::string_view::npos) return false;
-  const std::string_view rest = uri.substr(begin + 2);
-  const std::size_t at = rest.rfind('@');
-  if (at == std::string_view::npos) return false;
-  const std::string user = absl::AsciiStrToLower(View(rest.substr(0, at)));
-  return absl::StrContains(user, ":") || absl::StrContains(user, "%3a");
-}
-
-bool IsDatabase(std::string_view name) {
-  return absl::StartsWithIgnoreCase(View(name), "sqlite:") ||
-         absl::StartsWithIgnoreCase(View(name), "odbc:") ||
-         absl::StartsWithIgnoreCase(View(name), "jdbc:") ||
-         !SchemeOf(name).empty();
-}
 
 absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text) {
   if (IsPostgresql(text)) return ParsePostgresql(text);
-  if (absl::StartsWithIgnoreCase(View(text), "sqlite:")) {
+  if (absl::StartsWithIgnoreCase(AbslView(text), "sqlite:")) {
     return ParseSqlite(text);
   }
-  if (absl::StartsWithIgnoreCase(View(text), "odbc:")) return ParseOdbc(text);
+  if (absl::StartsWithIgnoreCase(AbslView(text), "odbc:"))
+    return ParseOdbc(text);
   // What follows may have a password in it.
   const std::string_view scheme = text.substr(0, text.find(':'));
   return absl::InvalidArgumentError(absl::StrCat(
@@ -160,6 +174,40 @@ absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text) {
       ":…' is not a database that can be read; those are "
       "postgresql://USER@HOST/NAME, sqlite:FILE and odbc:NAME, the "
       "last for all others, by their ODBC drivers"));
+}
+
+absl::StatusOr<std::string> PostgresqlParameters(const std::string& uri,
+                                                 const std::string& password) {
+  if (HasPasswordOfUser(uri)) return PasswordError("PostgreSQL", kRemedy);
+  char* fault = nullptr;
+  const std::unique_ptr<PQconninfoOption, void (*)(PQconninfoOption*)> options(
+      PQconninfoParse(uri.c_str(), &fault), &PQconninfoFree);
+  // It may have a part of the URI, and that a password.
+  PQfreemem(fault);
+  if (options == nullptr) return NotAUri();
+  std::string parameters = "postgresql:///?";
+  bool has_timeout = std::getenv("PGCONNECT_TIMEOUT") != nullptr ||
+                     std::getenv("PGSERVICE") != nullptr;
+  for (const PQconninfoOption* option = options.get();
+       option->keyword != nullptr; ++option) {
+    if (option->val == nullptr) continue;
+    const std::string_view keyword = option->keyword;
+    if (keyword == "password" || keyword == "sslpassword") {
+      return PasswordError("PostgreSQL", kRemedy);
+    }
+    if (keyword == "port" &&
+        std::string_view(option->val).find_first_not_of("0123456789,") !=
+            std::string_view::npos) {
+      return NotAUri();
+    }
+    has_timeout =
+        has_timeout || keyword == "connect_timeout" || keyword == "service";
+    Add(keyword, option->val, parameters);
+  }
+  if (!has_timeout) Add("connect_timeout", kConnectTimeout, parameters);
+  Add("fallback_application_name", "mle", parameters);
+  if (!password.empty()) Add("password", password, parameters);
+  return parameters;
 }
 
 }  // namespace mle

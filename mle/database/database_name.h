@@ -23,11 +23,15 @@ struct DatabaseName {
 // another kind.
 absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text);
 
-// "//user:word@host", also where a library would not read it so.
-bool HasPasswordOfUser(std::string_view uri);
-
-// That a name has a password in it, and where it should be instead.
-absl::Status PasswordError(std::string_view kind, std::string_view remedy);
+// A URI of PostgreSQL with all that it says as parameters, as libpq reads it,
+// "postgresql:///?host=…&user=…", and with `password` if that is not empty.
+// InvalidArgument for a URI that has a password in it or cannot be read; it
+// does not repeat the URI.
+//
+// Everything is written by letters, digits and percent signs: SOCI takes what
+// it is given apart at blanks, quotes and equals signs.
+absl::StatusOr<std::string> PostgresqlParameters(const std::string& uri,
+                                                 const std::string& password);
 
 }  // namespace mle
 

@@ -2,6 +2,9 @@
 
 #include <soci/soci.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstdlib>
 #include <exception>
 #include <utility>
@@ -13,7 +16,7 @@
 #include "absl/strings/str_split.h"
 #include "mle/base/absl_view.h"
 #include "mle/base/status.h"
-#include "mle/database/postgresql_uri.h"
+#include "mle/database/database_name.h"
 
 namespace mle {
 namespace {
@@ -71,6 +74,47 @@ bool WantsPassword(const absl::Status& status) {
 }
 
 }  // namespace
+
+void AddText(std::string_view value, RowBlock& rows) {
+  const auto is_control = [](char c) { return absl::ascii_iscntrl(c); };
+  if (std::none_of(value.begin(), value.end(), is_control)) {
+    rows.Add(value);
+    return;
+  }
+  std::string clean;
+  for (const char c : value) {
+    if (c == '\n' || c == '\r' || c == '\t') {
+      clean += ' ';
+    } else if (is_control(c)) {
+      absl::StrAppend(
+          &clean, "\\x",
+          absl::Hex(static_cast<unsigned char>(c), absl::kZeroPad2));
+    } else {
+      clean += c;
+    }
+  }
+  rows.Add(clean);
+}
+
+void AddInteger(std::int64_t value, RowBlock& rows) {
+  rows.Add(std::to_string(value));
+}
+
+void AddNumber(double value, RowBlock& rows) {
+  std::array<char, 32> digits;
+  char* const end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  rows.Add({digits.data(), static_cast<std::size_t>(end - digits.data())});
+}
+
+std::string SqlBackend::Quote(const std::string& name) const {
+  std::string quoted = "\"";
+  for (const char c : name) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
 
 absl::Status DatabaseSession::Guard(const std::function<void()>& call) const {
   absl::StatusCode code = absl::StatusCode::kInvalidArgument;
@@ -147,11 +191,11 @@ absl::StatusOr<std::vector<SqlColumn>> DatabaseSession::Start(
   return columns;
 }
 
-absl::StatusOr<int> DatabaseSession::Read(int most, TableText& text) {
-  int rows = 0;
-  MLE_RETURN_IF_ERROR(Guard([&] { rows = backend_->Read(most, text); }));
-  rows_ += rows;
-  if (rows_ <= limits_.max_rows) return rows;
+absl::StatusOr<int> DatabaseSession::Read(int most, RowBlock& rows) {
+  int count = 0;
+  MLE_RETURN_IF_ERROR(Guard([&] { count = backend_->Read(most, rows); }));
+  rows_ += count;
+  if (rows_ <= limits_.max_rows) return count;
   return absl::ResourceExhaustedError(
       absl::StrCat("more than ", limits_.max_rows,
                    " rows are not read: does its view or query end?"));

@@ -22,9 +22,9 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/data/row_source.h"
 #include "mle/database/database_name.h"
 #include "mle/database/sql_backend.h"
-#include "mle/database/table_text.h"
 
 namespace mle {
 
@@ -40,7 +40,7 @@ class DatabaseSession {
 
   // As of SqlBackend.
   absl::StatusOr<std::vector<SqlColumn>> Start(const std::string& query);
-  absl::StatusOr<int> Read(int most, TableText& text);
+  absl::StatusOr<int> Read(int most, RowBlock& rows);
   // Empty where the database does not say.
   std::vector<std::string> Tables();
   absl::StatusOr<std::string> Quote(const std::string& name) const;

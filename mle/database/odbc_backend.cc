@@ -92,7 +92,7 @@ class OdbcBackend : public SqlBackend {
   OdbcBackend& operator=(const OdbcBackend&) = delete;
 
   std::vector<SqlColumn> Start(const std::string& query) override;
-  int Read(int most, TableText& text) override;
+  int Read(int most, RowBlock& rows) override;
   std::string Quote(const std::string& name) const override;
   std::string DateLiteral(const std::string& date) const override {
     return absl::StrCat("{ts '", date, "'}");
@@ -183,22 +183,21 @@ std::vector<SqlColumn> OdbcBackend::Start(const std::string& query) {
   return columns;
 }
 
-int OdbcBackend::Read(int most, TableText& text) {
+int OdbcBackend::Read(int most, RowBlock& rows) {
   int count = 0;
   while (count < most && statement_->fetch()) {
     for (const Cell& cell : cells_) {
       if (cell.indicator == soci::i_null) {
-        text.AddNull();
+        rows.Add("");
       } else if (cell.type == soci::dt_double) {
-        text.Add(cell.number);
+        AddNumber(cell.number, rows);
       } else if (cell.type == soci::dt_integer ||
                  cell.type == soci::dt_long_long) {
-        text.Add(static_cast<std::int64_t>(cell.integer));
+        AddInteger(cell.integer, rows);
       } else {
-        text.Add(std::string_view(cell.text));
+        AddText(cell.text, rows);
       }
     }
-    text.EndRow();
     ++count;
   }
   return count;

@@ -45,7 +45,7 @@ class PostgresqlBackend : public SqlBackend {
   }
 
   std::vector<SqlColumn> Start(const std::string& query) override;
-  int Read(int most, TableText& text) override;
+  int Read(int most, RowBlock& rows) override;
   std::vector<std::string> Tables() override;
   std::string DateLiteral(const std::string& date) const override {
     return absl::StrCat("timestamp '", date, "'");
@@ -108,31 +108,30 @@ std::vector<SqlColumn> PostgresqlBackend::Start(const std::string& query) {
   return columns;
 }
 
-int PostgresqlBackend::Read(int most, TableText& text) {
+int PostgresqlBackend::Read(int most, RowBlock& rows) {
   Fetch(std::min(most, next_rows_));
   const PGresult* const result = Result();
-  const int rows = PQntuples(result);
+  const int count = PQntuples(result);
   const int columns = PQnfields(result);
-  const std::size_t before = text.text().size();
-  for (int r = 0; r < rows; ++r) {
+  const std::size_t before = rows.bytes();
+  for (int r = 0; r < count; ++r) {
     for (int c = 0; c < columns; ++c) {
       if (PQgetisnull(result, r, c) != 0) {
-        text.AddNull();
+        rows.Add("");
       } else {
-        text.Add(std::string_view(
-            PQgetvalue(result, r, c),
-            static_cast<std::size_t>(PQgetlength(result, r, c))));
+        AddText({PQgetvalue(result, r, c),
+                 static_cast<std::size_t>(PQgetlength(result, r, c))},
+                rows);
       }
     }
-    text.EndRow();
   }
-  const std::size_t bytes = text.text().size() - before;
+  const std::size_t bytes = rows.bytes() - before;
   if (bytes > kBlockBytes) {
     next_rows_ = std::max(1, fetch_rows_ / kFactor);
   } else if (kFactor * bytes < kBlockBytes && next_rows_ < most) {
     next_rows_ *= kFactor;
   }
-  return rows;
+  return count;
 }
 
 std::vector<std::string> PostgresqlBackend::Tables() {

@@ -1,19 +1,18 @@
 #include "mle/database/record_sources.h"
 
-#include <array>
 #include <memory>
-#include <streambuf>
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/csv_rows.h"
+#include "mle/data/row_source.h"
 #include "mle/database/database_name.h"
 #include "mle/database/database_session.h"
 #include "mle/database/table_query.h"
-#include "mle/database/table_text.h"
 
 namespace mle {
 namespace {
@@ -48,10 +47,10 @@ class Database {
   }
   const absl::Status& fault() const { return fault_; }
 
-  // Begins at the first row; header and first rows are in `text`.
-  absl::Status Start(TableText& text);
-  // False at the end, and at a fault.
-  bool Read(TableText& text);
+  // Begins at the first row: the names of the columns, and the first rows.
+  absl::Status Start(std::vector<std::string>& columns, RowBlock& rows);
+  // More rows; false at the end, and at a fault.
+  bool Read(RowBlock& rows);
   // Which of the reads is the present one.
   int reads() const { return reads_; }
 
@@ -86,25 +85,29 @@ absl::Status Database::Prepare() {
   return absl::OkStatus();
 }
 
-absl::Status Database::Start(TableText& text) {
+absl::Status Database::Start(std::vector<std::string>& columns,
+                             RowBlock& rows) {
   ++reads_;
   rows_ = 0;
   fault_ = absl::OkStatus();
   if (const absl::Status status = Prepare(); !status.ok()) {
     return Place(status, "");
   }
-  const absl::StatusOr<std::vector<SqlColumn>> columns =
-      session_->Start(query_);
-  if (!columns.ok()) return Place(columns.status(), "");
-  if (columns->empty()) {
+  const absl::StatusOr<std::vector<SqlColumn>> found = session_->Start(query_);
+  if (!found.ok()) return Place(found.status(), "");
+  if (found->empty()) {
     return Place(absl::InvalidArgumentError("the query returns no columns"),
                  "");
   }
-  for (const SqlColumn& column : *columns) text.AddName(column.name);
-  text.EndRow();
-  const bool has_rows = Read(text);
+  RowBlock names;
+  for (const SqlColumn& column : *found) AddText(column.name, names);
+  std::vector<std::string_view> fields;
+  names.Get(0, found->size(), fields);
+  columns.assign(fields.begin(), fields.end());
+  while (rows_ < kRowsOfBlock && Read(rows)) {
+  }
   MLE_RETURN_IF_ERROR(fault_);
-  if (has_rows) return absl::OkStatus();
+  if (rows_ > 0) return absl::OkStatus();
   const std::string nothing = absl::StrCat(
       options_.table.empty() ? "the query returns" : "the table has",
       " no rows");
@@ -116,77 +119,97 @@ absl::Status Database::Start(TableText& text) {
       "");
 }
 
-bool Database::Read(TableText& text) {
-  const absl::StatusOr<int> rows = session_->Read(kRowsOfBlock, text);
-  if (!rows.ok()) {
-    fault_ = Place(absl::UnavailableError(rows.status().message()),
+bool Database::Read(RowBlock& rows) {
+  const absl::StatusOr<int> count = session_->Read(kRowsOfBlock, rows);
+  if (!count.ok()) {
+    fault_ = Place(absl::UnavailableError(count.status().message()),
                    absl::StrCat("reading failed after row ", rows_, ": "));
     return false;
   }
-  rows_ += *rows;
-  return *rows > 0;
+  rows_ += *count;
+  return *count > 0;
 }
 
-class DatabaseBuffer : public std::streambuf {
+// Rows of one read of a database; a later one takes them from it.
+class DatabaseRows : public RowSource {
  public:
-  // `owner` turns bad() at a fault.
-  DatabaseBuffer(std::shared_ptr<Database> database, TableText text,
-                 std::ios& owner)
-      : database_(std::move(database)),
-        read_(database_->reads()),
-        text_(std::move(text)),
-        owner_(owner) {
-    Show();
-  }
+  // `database` may be null: there are no more rows then.
+  DatabaseRows(std::shared_ptr<Database> database, std::string name,
+               std::vector<std::string> columns, RowBlock block)
+      : RowSource(std::move(name), true),
+        database_(std::move(database)),
+        read_(database_ == nullptr ? 0 : database_->reads()),
+        columns_(std::move(columns)),
+        block_(std::move(block)) {}
 
- protected:
-  int_type underflow() override {
-    if (gptr() < egptr()) return traits_type::to_int_type(*gptr());
-    text_.Clear();
-    // A later read of the same database has taken its rows from this one.
-    const bool is_present = read_ == database_->reads();
-    const bool has_rows = is_present && database_->Read(text_);
-    if (!is_present || !database_->fault().ok())
-      owner_.setstate(std::ios::badbit);
-    if (!has_rows) return traits_type::eof();
-    Show();
-    return traits_type::to_int_type(*gptr());
+  bool Next(std::vector<std::string_view>& fields) override;
+  std::unique_ptr<RowSource> Preview() override {
+    return std::make_unique<DatabaseRows>(nullptr, source(), columns_, block_);
   }
 
  private:
-  void Show() {
-    setg(text_.data(), text_.data(), text_.data() + text_.text().size());
-  }
+  bool Fill();
 
   std::shared_ptr<Database> database_;
   int read_;
-  TableText text_;
-  std::ios& owner_;
+  std::vector<std::string> columns_;
+  RowBlock block_;
+  std::size_t at_ = 0;  // the next field in it
 };
 
-class DatabaseStream : public std::istream {
- public:
-  DatabaseStream(std::shared_ptr<Database> database, TableText text)
-      : std::istream(nullptr),
-        buffer_(std::move(database), std::move(text), *this) {
-    rdbuf(&buffer_);
+bool DatabaseRows::Fill() {
+  if (database_ == nullptr || !status_.ok()) return false;
+  if (read_ != database_->reads()) {
+    status_ = absl::DataLossError(
+        absl::StrCat(source(), ": cannot be read after ", LineName(row_line_),
+                     ", as it was opened again"));
+    return false;
   }
+  block_.Clear();
+  at_ = 0;
+  const bool has_rows = database_->Read(block_);
+  status_ = database_->fault();
+  return has_rows;
+}
 
- private:
-  DatabaseBuffer buffer_;
-};
+bool DatabaseRows::Next(std::vector<std::string_view>& fields) {
+  if (row_line_ == 0) {
+    fields.assign(columns_.begin(), columns_.end());
+  } else {
+    if (at_ == block_.num_fields() && !Fill()) return false;
+    block_.Get(at_, columns_.size(), fields);
+    at_ += columns_.size();
+  }
+  ++row_line_;
+  return true;
+}
 
 HistorianSource SourceOf(const std::shared_ptr<Database>& database) {
   HistorianSource source;
   source.name = database->Name();
   source.is_table = true;
-  source.fault = [database] { return database->fault(); };
-  source.open = [database]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
-    TableText text;
-    MLE_RETURN_IF_ERROR(database->Start(text));
-    return std::make_unique<DatabaseStream>(database, std::move(text));
+  source.open_rows =
+      [database]() -> absl::StatusOr<std::unique_ptr<RowSource>> {
+    std::vector<std::string> columns;
+    RowBlock rows;
+    MLE_RETURN_IF_ERROR(database->Start(columns, rows));
+    return std::make_unique<DatabaseRows>(database, database->Name(),
+                                          std::move(columns), std::move(rows));
   };
   return source;
+}
+
+// "mysql" of mysql://…; empty for text that does not begin so.
+std::string_view SchemeOf(std::string_view text) {
+  const std::size_t end = text.find("://");
+  if (end == std::string_view::npos || end == 0) return {};
+  for (const char c : text.substr(0, end)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (!absl::ascii_isalnum(byte) && c != '+' && c != '-' && c != '.') {
+      return {};
+    }
+  }
+  return text.substr(0, end);
 }
 
 }  // namespace
@@ -206,6 +229,13 @@ absl::Status DatabaseOptions::Validate() const {
                        "columns are those of a table; a query names its own");
   }
   return absl::OkStatus();
+}
+
+bool IsDatabase(std::string_view name) {
+  return absl::StartsWithIgnoreCase(AbslView(name), "sqlite:") ||
+         absl::StartsWithIgnoreCase(AbslView(name), "odbc:") ||
+         absl::StartsWithIgnoreCase(AbslView(name), "jdbc:") ||
+         !SchemeOf(name).empty();
 }
 
 absl::StatusOr<std::vector<HistorianSource>> RecordSources(

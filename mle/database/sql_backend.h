@@ -9,9 +9,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "mle/database/table_text.h"
+#include "mle/data/row_source.h"
 
 namespace mle {
 
@@ -35,7 +36,7 @@ class SqlBackend {
   // Begins to read the rows of a query; its columns. Ends what was read before.
   virtual std::vector<SqlColumn> Start(const std::string& query) = 0;
   // Adds the next rows, `most` or fewer; their number, 0 at the end.
-  virtual int Read(int most, TableText& text) = 0;
+  virtual int Read(int most, RowBlock& rows) = 0;
   // Of tables and views, for messages; empty: not known.
   virtual std::vector<std::string> Tables() { return {}; }
   // By what rows of a table are put in order of a column of times, both names
@@ -57,6 +58,13 @@ class SqlBackend {
     return {};
   }
 };
+
+// Values as fields of a row, which stay in one line of a message: line breaks
+// and tabs become blanks, other control characters are written as \x00.
+void AddText(std::string_view value, RowBlock& rows);
+void AddInteger(std::int64_t value, RowBlock& rows);
+// With as many digits as make it the same number again.
+void AddNumber(double value, RowBlock& rows);
 
 // Sessions that only read, of what database_name.h calls a place.
 std::unique_ptr<SqlBackend> OpenPostgresql(const std::string& uri,

@@ -40,7 +40,7 @@ class SqliteBackend : public SqlBackend {
   }
 
   std::vector<SqlColumn> Start(const std::string& query) override;
-  int Read(int most, TableText& text) override;
+  int Read(int most, RowBlock& rows) override;
   std::vector<std::string> Tables() override;
   std::string Order(const std::string& table,
                     const std::string& column) override;
@@ -63,7 +63,7 @@ class SqliteBackend : public SqlBackend {
   template <typename Step>
   auto InTime(const Step& step);
   void CheckIsOne(const std::string& query);
-  void AddValue(int column, TableText& text) const;
+  void AddValue(int column, RowBlock& rows) const;
 
   const std::chrono::seconds max_wait_;
   std::chrono::steady_clock::time_point end_ =
@@ -126,35 +126,33 @@ std::vector<SqlColumn> SqliteBackend::Start(const std::string& query) {
   return columns;
 }
 
-void SqliteBackend::AddValue(int column, TableText& text) const {
+void SqliteBackend::AddValue(int column, RowBlock& rows) const {
   sqlite_api::sqlite3_stmt* const row = rows_->stmt_;
   switch (sqlite_api::sqlite3_column_type(row, column)) {
     case SQLITE_NULL:
-      text.AddNull();
+      rows.Add("");
       return;
     case SQLITE_INTEGER:
-      text.Add(static_cast<std::int64_t>(
-          sqlite_api::sqlite3_column_int64(row, column)));
+      AddInteger(sqlite_api::sqlite3_column_int64(row, column), rows);
       return;
     case SQLITE_FLOAT:
-      text.Add(sqlite_api::sqlite3_column_double(row, column));
+      AddNumber(sqlite_api::sqlite3_column_double(row, column), rows);
       return;
     default: {
       const void* const bytes = sqlite_api::sqlite3_column_blob(row, column);
       const int size = sqlite_api::sqlite3_column_bytes(row, column);
-      text.Add(std::string_view(static_cast<const char*>(bytes),
-                                static_cast<std::size_t>(size)));
+      AddText({static_cast<const char*>(bytes), static_cast<std::size_t>(size)},
+              rows);
     }
   }
 }
 
-int SqliteBackend::Read(int most, TableText& text) {
+int SqliteBackend::Read(int most, RowBlock& rows) {
   return InTime([&] {
     int count = 0;
     while (has_row_ && count < most) {
       const int columns = sqlite_api::sqlite3_column_count(rows_->stmt_);
-      for (int c = 0; c < columns; ++c) AddValue(c, text);
-      text.EndRow();
+      for (int c = 0; c < columns; ++c) AddValue(c, rows);
       ++count;
       has_row_ =
           rows_->fetch(1) == soci::details::statement_backend::ef_success;

@@ -12,8 +12,8 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
-#include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/time_columns.h"
 #include "mle/data/time_range.h"
 
 namespace mle {

@@ -11,8 +11,8 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
-#include "mle/exchange/same_element.h"
-#include "mle/exchange/sampled_responses.h"
+#include "mle/exchange/element_table.h"
+#include "mle/exchange/state_space_responses.h"
 #include "mle/model/held_response.h"
 #include "mle/model/state_space.h"
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_replace.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/exchange/model_table.h"
 
 namespace mle {
 namespace {
@@ -50,6 +51,11 @@ bool IsAmong(const std::array<std::string_view, N>& words,
 }
 
 }  // namespace
+
+std::string FoldedKey(std::string_view text) {
+  return absl::StrReplaceAll(absl::AsciiStrToLower(std::string(text)),
+                             {{"_", " "}});
+}
 
 const char* NameOf(ElementColumn column) {
   return Names()[column].front().data();

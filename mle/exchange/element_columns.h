@@ -25,6 +25,9 @@ enum ElementColumn {
   kNumElementColumns
 };
 
+// Lower case, a blank for each underline: "Time_unit" is "time unit".
+std::string FoldedKey(std::string_view text);
+
 // Its values are times.
 inline bool IsTimeColumn(ElementColumn column) {
   return column == kTimeConstantColumn || column == kSecondColumn ||

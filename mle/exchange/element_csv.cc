@@ -11,7 +11,7 @@
 #include "mle/data/civil_time.h"
 #include "mle/data/csv_rows.h"
 #include "mle/exchange/element_columns.h"
-#include "mle/exchange/step_response_csv.h"
+#include "mle/exchange/step_response_text.h"
 
 namespace mle {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "mle/exchange/description.h"
 #include "mle/exchange/nearest_integrator.h"
-#include "mle/exchange/same_element.h"
 #include "mle/nonlinear/fopdt_fit.h"
 #include "mle/nonlinear/sopdt_fit.h"
 

@@ -18,6 +18,7 @@
 
 #include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
+#include "mle/model/transfer_function.h"
 
 namespace mle {
 
@@ -63,6 +64,14 @@ std::string FormatElementTable(const ElementTable& table);
 // whose step response is nearest (fopdt_fit.h, sopdt_fit.h), and how near.
 ElementTable WithElements(const ElementTable& table,
                           const ProcessModel& corrected);
+
+// Whether a correction has left an element as it was.
+
+inline bool IsSameElement(const TransferFunction& a,
+                          const TransferFunction& b) {
+  return a.numerator() == b.numerator() && a.denominator() == b.denominator() &&
+         a.delay() == b.delay();
+}
 
 }  // namespace mle
 

@@ -9,7 +9,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
@@ -273,11 +272,6 @@ absl::StatusOr<ModelTable> ReadModelTable(std::string_view text,
   table.name = std::filesystem::path(table.source).stem().string();
   MLE_RETURN_IF_ERROR(ModelTableReader(table).Read(text));
   return table;
-}
-
-std::string FoldedKey(std::string_view text) {
-  return absl::StrReplaceAll(absl::AsciiStrToLower(std::string(text)),
-                             {{"_", " "}});
 }
 
 std::string FormatTableHead(const ProcessModel& channels) {

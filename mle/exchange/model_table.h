@@ -66,9 +66,6 @@ struct ModelTable {
 absl::StatusOr<ModelTable> ReadModelTable(std::string_view text,
                                           std::string_view source);
 
-// Lower case, a blank for each underline: "Time_unit" is "time unit".
-std::string FoldedKey(std::string_view text);
-
 // The lines of the head for name, unit of time, inputs and outputs.
 std::string FormatTableHead(const ProcessModel& channels);
 

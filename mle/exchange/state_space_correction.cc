@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
-#include "mle/exchange/same_element.h"
+#include "mle/exchange/element_table.h"
 #include "mle/model/held_response.h"
 #include "mle/model/row_realization.h"
 

@@ -7,12 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
-#include "mle/base/file.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
-#include "mle/exchange/file_text.h"
-#include "mle/exchange/step_response_csv.h"
-#include "mle/exchange/step_response_json.h"
 
 namespace mle {
 namespace {
@@ -84,18 +80,6 @@ StepResponseModel WithChange(const StepResponseModel& model,
     }
   }
   return changed;
-}
-
-absl::StatusOr<StepResponseModel> ParseStepResponseModel(
-    std::string_view text, std::string_view source) {
-  return IsJsonText(text) ? ParseStepResponseJson(text, source)
-                          : ParseStepResponseCsv(text, source);
-}
-
-absl::StatusOr<StepResponseModel> ReadStepResponseModel(
-    const std::string& path) {
-  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
-  return ParseStepResponseModel(text, path);
 }
 
 }  // namespace mle

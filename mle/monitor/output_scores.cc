@@ -21,16 +21,6 @@ Eigen::VectorXd BestChange(const ScoreSums& sums) {
 
 }  // namespace
 
-double RobustDeviationOf(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  for (double& value : values) value = std::abs(value);
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  constexpr double kOfNormal = 1.4826;
-  return kOfNormal * *middle;
-}
-
 double RobustDeviation(const std::vector<WhitenedRun>& runs) {
   std::vector<double> values;
   for (const WhitenedRun& run : runs) {

@@ -11,9 +11,7 @@
 
 namespace mle {
 
-// 1.4826 times the median of |ν|: a normal variable's standard deviation; 0
-// without samples.
-double RobustDeviationOf(std::vector<double> values);
+// RobustDeviationOf() all innovations.
 double RobustDeviation(const std::vector<WhitenedRun>& runs);
 
 // ψ: at most `limit` in magnitude.

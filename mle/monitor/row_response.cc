@@ -4,15 +4,115 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
+#include "Eigen/Core"
 #include "absl/strings/str_cat.h"
-#include "mle/monitor/level_steps.h"
+#include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/innovations_filter.h"
+#include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_fit.h"
 #include "mle/nonlinear/step_search.h"
 
 namespace mle {
 namespace {
+
+// Steps of an output's level that nobody measures, among the whitened samples
+// around one change of set points.
+//
+// A step is 1 − exp(−(k − t + 1)/T) at the samples k ≥ t, 1 if T = 0 (LevelStep
+// in output_error_correction.h). Of residuals e, whitened and without what the
+// sensitivities, the offset and a ramp explain, clipped at four deviations s,
+//
+//   χ² = (xᵀe)²/(s² xᵀx),   x the step, whitened and reduced likewise,
+//
+// is scanned over t and T; the largest is a step where it exceeds 2 ln N + 8,
+// then the next beside it, up to six. What a change of the parameters would
+// explain is no step, and steps of which it would explain nine tenths are not
+// looked for.
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index kMostSteps = 6;
+constexpr Index kBesideStep = 8;  // samples before it and after
+constexpr Index kPlacesAtFirst = 64;
+constexpr double kStepClip = 4.0;   // deviations
+constexpr double kStepPrice = 8.0;  // of χ², beside 2 ln N
+constexpr double kLeastLeft = 0.1;  // of a step, unexplained by the rest
+
+struct StepCandidate {
+  double chi_square = 0.0;
+  Index row = 0;
+  double lag = 0.0;
+  VectorXd column;
+};
+
+// The whitened columns of the steps found (N × their number). `whitened`: the
+// residual, then what is fitted beside it, one column at least; `filter` has
+// whitened them, of samples at `instants`. `lags`: each T, in samples.
+// `deviation`: of the residuals, at least.
+MatrixXd FindLevelSteps(const std::vector<int>& instants,
+                        const InnovationsFilter& filter,
+                        const std::vector<double>& lags, double deviation,
+                        const MatrixXd& whitened) {
+  const Index rows = whitened.rows();
+  MatrixXd found(rows, 0);
+  if (rows <= 2 * kBesideStep + kMostSteps + whitened.cols()) return found;
+  const double least = 2.0 * std::log(static_cast<double>(rows)) + kStepPrice;
+  while (found.cols() < kMostSteps) {
+    MatrixXd others(rows, whitened.cols() - 1 + found.cols());
+    others << whitened.rightCols(whitened.cols() - 1), found;
+    const AmplitudeFit rest(std::move(others));
+    VectorXd residual = whitened.col(0);
+    rest.TakeOut(residual);
+    const double unit = std::max(
+        RobustDeviationOf({residual.begin(), residual.end()}), deviation);
+    if (!(unit > 0.0)) break;
+    residual =
+        residual.cwiseMin(kStepClip * unit).cwiseMax(-kStepClip * unit) / unit;
+    StepCandidate best;
+    const auto look = [&](double lag, Index from, Index to, Index stride) {
+      const Index places = (to - from + stride - 1) / stride;
+      MatrixXd columns = MatrixXd::Zero(rows, places);
+      for (Index place = 0; place < places; ++place) {
+        const Index begin = from + place * stride;
+        const LevelStep step = {.time = static_cast<double>(instants[begin]),
+                                .lag = lag,
+                                .size = 1.0};
+        for (Index row = begin; row < rows; ++row) {
+          columns(row, place) = step.At(instants[row], 1.0);
+        }
+      }
+      filter.Apply(columns);
+      MatrixXd left = columns;
+      rest.TakeOut(left);
+      for (Index place = 0; place < places; ++place) {
+        const double square = left.col(place).squaredNorm();
+        if (!(square > kLeastLeft * columns.col(place).squaredNorm())) continue;
+        const double product = left.col(place).dot(residual);
+        if (product * product <= best.chi_square * square) continue;
+        best = {product * product / square, from + place * stride, lag,
+                columns.col(place)};
+      }
+    };
+    const Index stride =
+        std::max<Index>((rows - 2 * kBesideStep) / kPlacesAtFirst, 1);
+    for (const double lag : lags) {
+      look(lag, kBesideStep, rows - kBesideStep, stride);
+    }
+    if (best.chi_square > 0.0) {
+      const Index row = best.row;
+      look(best.lag, std::max(row - stride + 1, kBesideStep),
+           std::min(row + stride, rows - kBesideStep), 1);
+    }
+    if (!(best.chi_square > least)) break;
+    found.conservativeResize(Eigen::NoChange, found.cols() + 1);
+    found.rightCols(1) = best.column;
+  }
+  return found;
+}
 
 using Eigen::MatrixXd;
 
@@ -52,6 +152,16 @@ MatrixXd RecursiveResiduals(MatrixXd rows, Eigen::Index count) {
 }
 
 }  // namespace
+
+double RobustDeviationOf(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  for (double& value : values) value = std::abs(value);
+  const auto middle =
+      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  constexpr double kToDeviation = 1.4826;
+  return kToDeviation * *middle;
+}
 
 absl::StatusOr<RowResponse> RowResponse::Create(const ProcessModel& model,
                                                 int output, double sample_time,

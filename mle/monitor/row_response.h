@@ -81,6 +81,10 @@ class RowResponse {
   Eigen::VectorXd units_;
 };
 
+// 1.4826 times the median of |ν|: a normal variable's standard deviation; 0
+// without samples.
+double RobustDeviationOf(std::vector<double> values);
+
 }  // namespace mle
 
 #endif  // MLE_MONITOR_ROW_RESPONSE_H_

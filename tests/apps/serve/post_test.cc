@@ -105,9 +105,12 @@ TEST(PostTest, AnAnswerThatDripsIsLeft) {
     const absl::Status status =
         PostJson(server.url(), "{}", "id", std::chrono::milliseconds(200));
     EXPECT_FALSE(status.ok()) << begin;
-    while (!server.is_left()) {
+    const auto deadline =
+        std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!server.is_left() && std::chrono::steady_clock::now() < deadline) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+    EXPECT_TRUE(server.is_left()) << begin;
   }
 }
 

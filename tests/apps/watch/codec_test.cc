@@ -1,10 +1,9 @@
-#include "apps/watch/codec.h"
-
 #include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "apps/watch/state.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
-#include "mle/data/gap_bridging.h"
+#include "mle/data/record_collector.h"
 
 namespace mle {
 namespace {

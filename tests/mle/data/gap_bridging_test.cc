@@ -1,9 +1,8 @@
-#include "mle/data/gap_bridging.h"
-
 #include <random>
 
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
+#include "mle/data/record_collector.h"
 
 namespace mle {
 namespace {

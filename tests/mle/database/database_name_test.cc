@@ -1,13 +1,22 @@
-// Names of databases, and that no password is in them.
+// Names of databases, and that no password is in them; their values as fields.
 
 #include "mle/database/database_name.h"
 
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/database/postgresql_uri.h"
+#include "mle/data/csv_numbers.h"
+#include "mle/data/row_source.h"
 #include "mle/database/record_sources.h"
+#include "mle/database/sql_backend.h"
 #include "mle/database/table_query.h"
 
 namespace mle {
@@ -124,6 +133,37 @@ TEST(DatabaseNameTest, PartsOfTables) {
        {"", ".", "a.", ".a", "\"a", "\"a\"b", "a\"b\"", "\"\"", "a..b"}) {
     EXPECT_FALSE(PartsOfTable(table).ok()) << table;
   }
+}
+
+TEST(SqlValues, NumbersKeepTheirBits) {
+  std::mt19937_64 random(2);
+  std::vector<double> numbers = {
+      0.0, -0.0, 0.1, 1e300, 5e-324, std::numeric_limits<double>::max()};
+  for (int k = 0; k < 1000; ++k) {
+    const auto number = std::bit_cast<double>(random());
+    if (std::isfinite(number)) numbers.push_back(number);
+  }
+  for (const double number : numbers) {
+    RowBlock rows;
+    AddNumber(number, rows);
+    std::vector<std::string_view> fields;
+    rows.Get(0, 1, fields);
+    double again = 0.0;
+    ASSERT_TRUE(ReadCsvNumber(fields[0], again)) << fields[0];
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(again),
+              std::bit_cast<std::uint64_t>(number));
+  }
+}
+
+TEST(SqlValues, TextsStayInOneLine) {
+  RowBlock rows;
+  AddText("a,\"b\" ", rows);
+  AddText(std::string_view("1\n2\r\t\0\x7F", 7), rows);
+  AddInteger(std::numeric_limits<std::int64_t>::min(), rows);
+  std::vector<std::string_view> fields;
+  rows.Get(0, 3, fields);
+  EXPECT_THAT(fields, ElementsAre("a,\"b\" ", "1 2  \\x00\\x7f",
+                                  "-9223372036854775808"));
 }
 
 }  // namespace

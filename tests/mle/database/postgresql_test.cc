@@ -3,13 +3,12 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -238,15 +237,9 @@ TEST_F(PostgresqlTest, IsOnlyRead) {
 TEST_F(PostgresqlTest, AllReadsSeeTheSameRows) {
   const auto sources = RecordSources({name()}, {.table = "trend"}, {});
   ASSERT_TRUE(sources.ok()) << sources.status();
-  const auto read = [&] {
-    auto in = (*sources)[0].open();
-    EXPECT_TRUE(in.ok()) << in.status();
-    std::ostringstream text;
-    text << (*in)->rdbuf();
-    return text.str();
-  };
-  const std::string first = read();
-  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 601);
+  const auto read = [&] { return AllRows((*sources)[0]); };
+  const auto first = read();
+  EXPECT_EQ(first.size(), 601u);
   server_->Run(
       "INSERT INTO trend SELECT time + interval '1 day', 1, 1, 1 FROM "
       "trend; DELETE FROM trend WHERE steam < 5;");
@@ -262,16 +255,14 @@ TEST_F(PostgresqlTest, ServerThatGoesAwayIsSaid) {
       "k;");
   const auto sources = RecordSources({name()}, {.table = "big"}, {});
   ASSERT_TRUE(sources.ok()) << sources.status();
-  auto in = (*sources)[0].open();
-  ASSERT_TRUE(in.ok()) << in.status();
-  std::array<char, 100000> block;
-  EXPECT_TRUE((*in)->read(block.data(), block.size()));
+  auto rows = (*sources)[0].open_rows();
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  std::vector<std::string_view> fields;
+  EXPECT_TRUE((*rows)->Next(fields));
   server_->Kill();
-  std::ostringstream rest;
-  rest << (*in)->rdbuf();
-  while (**in) (*in)->get();
-  EXPECT_TRUE((*in)->bad());
-  const absl::Status fault = (*sources)[0].fault();
+  while ((*rows)->Next(fields)) {
+  }
+  const absl::Status& fault = (*rows)->status();
   EXPECT_EQ(fault.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(
       std::string(fault.message()),
@@ -289,10 +280,10 @@ TEST_F(PostgresqlTest, ImportFromAServerThatGoesAwayFails) {
   // The first opening looks at the form, the second one reads.
   int opened = 0;
   HistorianSource source = (*sources)[0];
-  source.open = [&, open = source.open]() {
-    auto in = open();
+  source.open_rows = [&, open = source.open_rows]() {
+    auto rows = open();
     if (++opened == 2) server_->Kill();
-    return in;
+    return rows;
   };
   const auto import = ImportHistorianSources({source}, Tank(), {});
   EXPECT_EQ(import.status().code(), absl::StatusCode::kUnavailable);

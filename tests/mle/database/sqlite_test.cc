@@ -2,8 +2,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/data/row_source.h"
 #include "mle/data/tag_file.h"
 #include "mle/database/database_name.h"
 #include "mle/database/database_session.h"
@@ -57,16 +56,12 @@ TEST_F(SqliteTest, TableAndQueryGiveTheRecordsOfTheFile) {
              ImportFrom("sqlite://" + file_.path(), {.table = "main.trend"}));
 }
 
-// Lines of the text that a source has, without the header.
+// Rows that a source has, without the header.
 int RowsOf(const std::string& name, const DatabaseOptions& database,
            const HistorianOptions& import) {
   const auto sources = RecordSources({name}, database, import);
   EXPECT_TRUE(sources.ok()) << sources.status();
-  const auto stream = sources->front().open();
-  EXPECT_TRUE(stream.ok()) << stream.status();
-  int lines = -1;
-  for (std::string line; std::getline(**stream, line);) ++lines;
-  return lines;
+  return static_cast<int>(AllRows(sources->front()).size()) - 1;
 }
 
 TEST_F(SqliteTest, RowsFarFromTheTimeRangeStayInTheDatabase) {
@@ -243,10 +238,10 @@ TEST_F(SqliteTest, QueriesWithoutAnEndAreEnded) {
                 "FROM k) SELECT k FROM k" +
                 where)
             .status();
-    TableText text;
+    RowBlock rows;
     while (status.ok()) {
-      text.Clear();
-      status = (*session)->Read(100, text).status();
+      rows.Clear();
+      status = (*session)->Read(100, rows).status();
     }
     return std::string(status.message());
   };
@@ -361,15 +356,9 @@ TEST_F(SqliteTest, OtherFilesAreRefused) {
 TEST_F(SqliteTest, AllReadsSeeTheSameRows) {
   const auto sources = RecordSources({file_.name()}, {.table = "trend"}, {});
   ASSERT_TRUE(sources.ok()) << sources.status();
-  const auto read = [&] {
-    auto in = (*sources)[0].open();
-    EXPECT_TRUE(in.ok()) << in.status();
-    std::ostringstream text;
-    text << (*in)->rdbuf();
-    return text.str();
-  };
-  const std::string first = read();
-  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 601);
+  const auto read = [&] { return AllRows((*sources)[0]); };
+  const auto first = read();
+  EXPECT_EQ(first.size(), 601u);
   EXPECT_EQ(read(), first);
 }
 

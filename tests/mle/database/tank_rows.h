@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -124,6 +125,19 @@ inline void ExpectSame(const absl::StatusOr<HistorianImport>& left,
 inline absl::StatusOr<HistorianImport> ImportCsv(
     const std::string& text, const HistorianOptions& options = {}) {
   return ImportHistorianSources({TextSource("a.csv", text)}, Tank(), options);
+}
+
+// The rows that a source of a database has, the header first.
+inline std::vector<std::vector<std::string>> AllRows(
+    const HistorianSource& source) {
+  const auto rows = source.open_rows();
+  EXPECT_TRUE(rows.ok()) << rows.status();
+  std::vector<std::vector<std::string>> all;
+  std::vector<std::string_view> fields;
+  while (rows.ok() && (*rows)->Next(fields)) {
+    all.emplace_back(fields.begin(), fields.end());
+  }
+  return all;
 }
 
 }  // namespace mle

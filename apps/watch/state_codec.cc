@@ -1,4 +1,4 @@
-#include "apps/watch/codec.h"
+// How scores and references are kept in the state, and its checksum.
 
 #include <algorithm>
 #include <bit>
@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "apps/common/sha256.h"
+#include "apps/watch/state.h"
+#include "mle/monitor/model_watch.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::watch {
