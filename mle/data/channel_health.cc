@@ -43,9 +43,10 @@ std::string ShowRuns(const std::vector<SampleRun>& runs,
 constexpr double kEqualSamples = 1e-12;
 // Probability that a freeze is found in a record where there is none.
 constexpr double kFalseFreeze = 1e-4;
-// Of the largest sample: what a smooth signal changes by when it has settled.
+// A smooth signal that has settled still changes by up to this share of its
+// largest sample.
 constexpr double kNoMovement = 1e-9;
-constexpr double kMovement = 1e-6;  // and what it moves by
+constexpr double kMovement = 1e-6;  // a moving one by more
 constexpr int kLongRun = 20;        // kept out of the share of repeated samples
 // Saturation lasts this many times longer than the channel's usual holding.
 constexpr double kHoldFactor = 3.0;
@@ -290,7 +291,7 @@ ChannelHealth CheckChannel(const std::vector<Record>& records,
   }
   FindFrozen(records, cleaned, options, health);
   if (health.frozen.empty()) return health;
-  // What stands still has no noise.
+  // Frozen samples show no noise: it is estimated again without them.
   noises.clear();
   for (const SampleRun& run : health.frozen) {
     cleaned[run.record].segment(run.first, run.samples).setConstant(kNaN);

@@ -10,7 +10,7 @@
 
 namespace mle {
 
-// What a clock and a calendar show.
+// A date and a time of day, as a calendar and a clock show them.
 struct CivilTime {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0;
   double second = 0.0;      // [0, 60)

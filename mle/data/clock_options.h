@@ -23,12 +23,12 @@ enum class TimeFormat {
 
 struct ClockOptions {
   TimeFormat format = TimeFormat::kRecognise;
-  // Of kPattern (time_pattern.h).
+  // The pattern of times for kPattern (time_pattern.h).
   std::string pattern = {};
   // Unit of times that are numbers: ms, s, min, h, d; empty: the model's.
   std::string number_unit = {};
-  // Of dates without a zone, as the IANA names it ("Europe/Berlin"); empty:
-  // UTC, or local time that has no change of clocks in it.
+  // Time zone of dates that state none, as the IANA names it ("Europe/Berlin");
+  // empty: UTC, or local time that has no change of clocks in it.
   std::string time_zone = {};
 };
 

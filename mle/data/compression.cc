@@ -7,7 +7,7 @@
 namespace mle {
 namespace {
 
-// Of the largest sample: rounding of double and of single precision.
+// Rounding of double and of single precision, relative to the largest sample.
 constexpr double kDouble = 1e-12;
 constexpr double kSingle = 3e-7;
 constexpr double kLeastStraight = 0.3;
@@ -28,9 +28,9 @@ constexpr Gap kExact = {10.0, 0.1, 0.0};
 constexpr Gap kPrinted = {4.0, 0.25, 0.02};
 constexpr double kLeastAlternating = 0.45;
 constexpr double kLeastSizes = 0.3;  // different ones among the steps
-// Of a laboratory or an analyser: the shortest period in samples, the distances
-// of steps that are multiples of it, to within a share of it (stamps are not
-// exact), and the steps of more than one digit.
+// A laboratory or an analyser: the shortest period in samples, the share of the
+// distances of steps that are multiples of it, to within a share of it (stamps
+// are not exact), and the share of the steps that are of more than one digit.
 constexpr double kShortestPeriod = 3.0;
 constexpr double kPeriodic = 0.8;
 constexpr double kOffPeriod = 0.2;
@@ -76,7 +76,7 @@ double LastDigit(const std::vector<SampleRow>& rows) {
 
 enum class Bend : char { kUnknown, kFlat, kNone, kSmall, kLarge };
 
-// Of sample k against the line through its neighbours.
+// How each sample lies against the line through its neighbours.
 std::vector<Bend> BendsOf(const SampleRow& row, double tolerance,
                           double factor) {
   const int n = static_cast<int>(row.size());
@@ -194,7 +194,7 @@ void Count(const SampleRow& row, double tolerance, HoldCounts& counts) {
   }
 }
 
-// Of sorted numbers, those that differ from the one before.
+// The number of values that differ among sorted numbers.
 double Different(const std::vector<double>& sorted, double tolerance) {
   double different = sorted.empty() ? 0.0 : 1.0;
   for (std::size_t s = 1; s < sorted.size(); ++s) {
@@ -246,8 +246,9 @@ double PeriodOf(std::vector<double> distances) {
                                                                    : 0.0;
 }
 
-// What is not held: changes, and where these all have one phase of the period
-// every sample of that phase, at which the same value was measured again.
+// Marks all samples as interpolated but those that were measured: changes, and
+// where nearly all changes have one phase of the period every sample of that
+// phase, at which the same value was measured again.
 void TakeMeasured(const std::vector<SampleRow>& rows, const Changes& changes,
                   double period, Compression& found) {
   const auto whole = static_cast<int>(std::round(period));

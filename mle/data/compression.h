@@ -43,7 +43,7 @@ struct Compression {
 // only lines are looked for then.
 enum class Holding { kNever, kByItself };
 
-// Of one channel: its rows in all records.
+// Finds how one channel was compressed; `rows`: its samples in each record.
 Compression FindCompression(const std::vector<SampleRow>& rows, Holding own);
 
 }  // namespace mle

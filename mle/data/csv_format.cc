@@ -75,7 +75,7 @@ struct Sighting {
   std::string text;
 };
 
-// What speaks for a mark.
+// The first field seen of each form that tells the decimal mark.
 struct Evidence {
   std::optional<Sighting> point;      // 1.5
   std::optional<Sighting> comma;      // 1,5

@@ -45,7 +45,8 @@ std::size_t CharacterLength(std::string_view text) {
 
 constexpr std::size_t kLongestError = 8;
 
-// What spreadsheets write in place of a number.
+// Whether the text begins with an error that spreadsheets write in place of a
+// number.
 bool IsSpreadsheetError(std::string_view text) {
   for (const std::string_view error :
        {"#N/A", "#VALUE!", "#DIV/0!", "#REF!", "#NUM!", "#NAME?", "#NULL!"}) {

@@ -42,11 +42,11 @@ class CsvRows : public RowSource {
   char separator() const { return separator_; }
 
   bool Next(std::vector<std::string_view>& fields) override;
-  // Of what Peek() shows, as far as its lines are whole.
+  // The rows of the text that Peek() shows, as far as its lines are whole.
   std::unique_ptr<RowSource> Preview() override;
 
-  // What comes next, without taking it: the rest of the present block, or, at
-  // the start, the whole first one. Cut somewhere.
+  // The text that comes next, without taking it: the rest of the present block,
+  // or, at the start, the whole first one. Its last line may be cut.
   std::string_view Peek();
 
   // Stands above the text: the first row of Next(), before any is read.
@@ -91,7 +91,7 @@ class CsvRows : public RowSource {
   std::array<bool, 256> is_special_{};  // ends a run of plain characters
   char separator_ = ',';
 
-  // Of the row that is scanned.
+  // State of the row that is scanned.
   std::vector<Field> fields_;
   std::size_t next_ = 0;  // where the next row begins
   int lines_ = 0;         // that the row takes

@@ -55,7 +55,7 @@
 
 namespace mle {
 
-// What an empty field of a table means.
+// Meaning of an empty field of a table.
 enum class EmptyFields {
   kRecognise,  // unchanged, if the table looks as if reported by exception
   kBad,        // a bad sample
@@ -96,7 +96,8 @@ struct HistorianOptions {
   bool any_word_is_bad = false;
   EmptyFields empty_fields = EmptyFields::kRecognise;
 
-  // Of all files; or one for each file, in the order in which they are given.
+  // The clock of all files; or clocks, one for each file, in the order in which
+  // they are given.
   ClockOptions clock = {};
   std::vector<ClockOptions> clocks = {};
   // The time range that is read (time_range.h): numbers or dates; empty: no
@@ -118,7 +119,7 @@ struct HistorianOptions {
   // Gaps of inputs and set points are bridged up to this, ≥ 0. Negative: 5 Δt,
   // or 5 steps where those are longer. Gaps of outputs stay NaN.
   double max_gap = -1.0;
-  // Of all records together, > 0: more is an error.
+  // Limit of the samples of all records together, > 0: more is an error.
   std::int64_t max_samples = 20'000'000;
   // Called after every 1,000 rows of files and databases; false ends the import
   // with absl::CancelledError. May be empty.
@@ -150,7 +151,7 @@ struct ChannelReport {
   std::int64_t missing = 0;    // samples that stay bad (NaN)
 };
 
-// What was recognised and taken so, with the option that says otherwise.
+// Something that was recognised, with the option that declares otherwise.
 struct ImportNote {
   std::string text;    // a whole sentence
   std::string option;  // may be empty

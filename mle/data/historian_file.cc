@@ -467,7 +467,7 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
       RecordRows::Open(*file->source_, channels, row_options, file->clock_));
   std::vector<std::string> qualities;
   for (const RecordColumn& column : rows.columns()) {
-    // What a suffix names is as declared.
+    // A column that ends with a declared suffix needs no note.
     if (column.kind == RecordColumn::Kind::kQuality &&
         !HasSuffix(column.name, options.columns.quality_suffixes)) {
       qualities.push_back(column.name);

@@ -58,14 +58,14 @@ class HistorianFile {
   RecordClock& clock() { return clock_; }
   // Name, separator, decimal mark and ignored columns.
   const FileReport& report() const { return report_; }
-  // What was recognised.
+  // Notes on what was recognised in the file.
   const std::vector<ImportNote>& notes() const { return notes_; }
   // A long table whose tags have samples at times of their own.
   bool is_sparse() const { return is_sparse_; }
-  // Of a long table, rows that are left out: at a time already read, comments.
+  // Rows of a long table that are left out: at a time already read, comments.
   std::int64_t repeated_rows() const { return repeated_rows_; }
   std::int64_t comment_rows() const { return comment_rows_; }
-  // Of the text, what is read; negative: not known.
+  // Share of the text that has been read; negative: not known.
   double FractionRead() const;
 
  private:
@@ -110,7 +110,7 @@ class HistorianFile {
   std::int64_t comment_rows_ = 0;
 };
 
-// What a file begins with.
+// Properties of a file that its first rows show.
 struct HistorianProbe {
   HistorianSource source;
   ClockOptions clock;
@@ -123,10 +123,10 @@ struct HistorianProbe {
   bool has_set_points = false;
   double origin = 0.0;      // seconds since the epoch of its earliest date
   double first_time = 0.0;  // the earliest, in the model's unit; 0 of dates
-  // Of a long table: how far the first samples of each value are apart, 0 where
-  // that varies.
+  // For each value of a long table whose tags have times of their own: how far
+  // its first samples are apart, 0 where that varies.
   std::vector<double> sample_steps;
-  // Of the first rows: those at a time already read, how many rows a time
+  // Among the first rows: those at a time already read, how many rows a time
   // usually has, and how far these times usually are apart.
   int repeated_rows = 0;
   int rows_of_time = 1;

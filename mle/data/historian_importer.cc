@@ -23,7 +23,7 @@ constexpr double kDefaultGapSteps = 5.0;
 constexpr double kMaxRefinement = 50.0;
 // Rows this much farther apart than usual leave a gap.
 constexpr double kGapSteps = 1.9;
-// Of rows that are multiples of a step apart.
+// Rows have a usual spacing if this share of them are multiples of it apart.
 constexpr double kMostlyEven = 0.9;
 // Steps from one sample to the next of outputs that are points.
 constexpr double kPointSteps = 3.0;

@@ -63,7 +63,7 @@ class HistorianImporter {
                           double time, bool is_first, bool& skip);
   absl::Status OrderError(const HistorianProbe& probe, const RowStream& rows,
                           double time, bool is_first) const;
-  // What is added to times of a file that is a record of its own.
+  // The time added to those of a file that is a record of its own.
   double ShiftOf(const HistorianProbe& probe) const;
   void NoteForm(const HistorianProbe& probe, FileReport& report);
   // `spread`: the part of the stream that spreads times, if it has one.

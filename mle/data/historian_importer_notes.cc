@@ -1,4 +1,5 @@
-// What an import reports of the files, and what in them makes it fail.
+// The notes of an import on its files, and the faults in them that make it
+// fail.
 
 #include <algorithm>
 #include <cmath>

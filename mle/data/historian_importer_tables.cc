@@ -86,7 +86,7 @@ HistorianImporter::MatchTables(const std::vector<Table>& tables) {
   return matched_tables;
 }
 
-// What Probe() finds out of files.
+// Finds for tables what Probe() finds for files.
 absl::Status HistorianImporter::ProbeTables(
     const std::vector<MatchedTable>& tables) {
   constexpr std::size_t kProbeRows = 4096;

@@ -1,4 +1,4 @@
-// What a file begins with, seen before any is read.
+// Examines the first rows of a file, before any is imported.
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ class EmptyCells {
   // there has a sample now and then, at distances that vary. A slower tag among
   // others, with a sample in every tenth row, is no such table.
   bool MeanUnchanged() const;
-  // Of the channels that are there.
+  // Share of empty fields among the channels that are there.
   double share() const;
 
  private:
@@ -136,7 +136,7 @@ double EvenStep(const std::vector<double>& times) {
   return usual <= kEven * apart[apart.size() / 10] ? usual : 0.0;
 }
 
-// Of the rows that are looked at, one in ten may be out of order.
+// Whether times go backwards; fewer than one row in ten may go forwards.
 bool IsNewestFirst(const std::vector<double>& times) {
   std::size_t earlier = 0;
   std::size_t later = 0;

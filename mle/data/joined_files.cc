@@ -46,7 +46,7 @@ int PlaceOfName(const std::vector<std::string>& header,
   return found == header.end() ? -1 : static_cast<int>(found - header.begin());
 }
 
-// What a file has of a long table.
+// A column of values in a file, and the tag that it has in the long table.
 struct TagColumn {
   int value = -1;
   std::string tag;

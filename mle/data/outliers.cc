@@ -9,7 +9,7 @@ namespace mle {
 namespace {
 
 constexpr double kLocal = 0.8;
-// Of the largest sample: what rounding can do.
+// A distance up to this share of the largest sample may be rounding.
 constexpr double kSampleRounding = 1e-9;
 
 // Whether the median of samples first … last may be farther than `distance`

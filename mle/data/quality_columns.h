@@ -14,7 +14,7 @@
 
 namespace mle {
 
-// What a quality column holds.
+// Content of a quality column.
 enum class QualityKind {
   kCode,        // a word or a number: Good, 192
   kFlag,        // whether the sample is good
@@ -30,7 +30,8 @@ const std::vector<std::string>& KnownBadWords();
 // and 192.
 const std::vector<std::string>& UsualGoodQualities();
 
-// What a name says of quality.
+// The samples whose quality a column of this name describes, and the kind of
+// its content.
 struct QualityName {
   std::string_view column;  // of the samples it speaks of; empty: of all
   QualityKind kind = QualityKind::kCode;

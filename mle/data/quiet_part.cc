@@ -11,7 +11,7 @@ constexpr int kMinQuietSamples = 20;
 constexpr int kMinSide = 5;  // samples on each side of a step
 constexpr double kOutlierDeviations = 6.0;
 
-// What a trend or a step explains of the samples.
+// A trend or a step fitted to the samples.
 struct Explanation {
   double size = 0.0;
   double squares = 0.0;  // by which it lowers the sum of squares
@@ -86,7 +86,7 @@ QuietPart TestQuietPart(const SampleRow& samples, double start_time,
   const Explanation step = FitStep(values);
   const bool is_step = step.squares > trend.squares;
   const Explanation& best = is_step ? step : trend;
-  // What is exactly constant has no noise to compare with, and nothing to find.
+  // A constant signal has no noise to compare with, and nothing to find.
   const double scale = std::max(std::abs(center), limit);
   const double noise = std::max(part.noise, 1e-12 * scale);
   part.size = best.size;

@@ -16,8 +16,8 @@
 
 namespace mle {
 
-// What is fitted is squared, summed and compared as variances: a sample beyond
-// this leaves double precision there.
+// Samples are squared, summed and compared as variances: beyond this limit the
+// results would leave the range of double precision.
 inline constexpr double kLargestSample = 1e60;
 
 struct Record {

@@ -30,7 +30,8 @@ class RecordClock {
 
   // False for text that is not a time in the form of the first one.
   bool Read(std::string_view field, char decimal, double& time);
-  // What Read() takes, for a message about `field`, which it did not take.
+  // Describes the times that Read() takes, for a message about `field`, which
+  // it did not take.
   std::string Wanted(std::string_view field) const;
 
   bool has_dates() const { return has_dates_; }

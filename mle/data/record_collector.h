@@ -70,7 +70,7 @@ class RecordCollector {
   // By value (2p + m).
   const std::vector<std::int64_t>& bridged() const { return bridged_; }
   const std::vector<std::int64_t>& missing() const { return missing_; }
-  // Of the sink.
+  // Status of the sink.
   const absl::Status& status() const { return status_; }
   // Those held, or what the sink has kept.
   std::vector<Record> TakeRecords() {
@@ -79,7 +79,8 @@ class RecordCollector {
 
  private:
   void EndRecord();
-  // What there is of a record: all of it, or the rest after its last piece.
+  // Takes the samples held of a record: all of it, or the rest after its last
+  // piece.
   void EndPiece();
   bool IsPiece(const std::vector<double>& last) const;
   void TakeWhole(Record record);

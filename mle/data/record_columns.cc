@@ -238,7 +238,8 @@ std::string Matching::Describe(const std::string& wanted,
                       : absl::StrCat(" (", absl::StrJoin(remarks, "; "), ")"));
 }
 
-// What helps where no column is a set point: also those that are not missed.
+// A sentence on how to declare set points where no column is one; it names the
+// columns without a use whose tags look like set points.
 std::string Matching::OnSetPoints() const {
   std::vector<std::string> likely;
   for (const RecordColumn& column : columns_) {

@@ -37,7 +37,7 @@ struct RecordColumn {
   int channel = 0;         // of outputs or inputs
   std::string name;        // in the file
   bool is_mapped = false;  // by a tag
-  // Of a sample: channel = scale × column + offset.
+  // A sample of the channel is scale × column + offset.
   double scale = 1.0;
   double offset = 0.0;
   // The column that a quality column describes; −1: all.
@@ -57,8 +57,8 @@ struct TagMapping {
 struct ColumnOptions {
   // Two columns are named with a plus between them: "date+time".
   std::string time_column = "time";
-  // Of long tables, with a row for each sample; empty: recognised by usual
-  // names (tag, value, quality, …).
+  // Columns of long tables, which have a row for each sample; empty: recognised
+  // by usual names (tag, value, quality, …).
   std::string tag_column = {};
   std::string value_column = {};
   std::string quality_column = {};

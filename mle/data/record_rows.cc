@@ -28,7 +28,7 @@ namespace {
 using Kind = RecordColumn::Kind;
 
 constexpr std::size_t kMaxBadQualities = 5;
-// Of words that are counted for a message, and shown in it.
+// Limits of the words that are counted for a message, and shown in it.
 constexpr std::size_t kMaxWords = 1000;
 constexpr std::size_t kShownWords = 3;
 // A quiet NaN whose payload is not that of the processor's own.

@@ -22,7 +22,7 @@ class RecordSink {
   // A piece of a record, gaps bridged, in order of time. `continues`: it
   // follows the piece before without a gap. An error ends the import.
   virtual absl::Status Take(Record piece, bool continues) = 0;
-  // What is kept, in order of time, after the last piece.
+  // The records that are kept, in order of time, after the last piece.
   virtual std::vector<Record> Finish() = 0;
 };
 

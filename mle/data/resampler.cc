@@ -15,7 +15,7 @@ constexpr double kUsual = 1.9;
 constexpr double kAverageFrom = 1.5;
 // Times are rounded to a sample within this share of a step.
 constexpr double kSampleSnap = 0.01;
-// Of a sample that must be covered by good rows.
+// Share of a sample that good rows must cover.
 constexpr double kMinCoverage = 0.5 - 1e-9;
 
 }  // namespace

@@ -44,7 +44,8 @@ class RowSource {
   // From now on comments are passed over and counted, of texts that have some.
   virtual void set_skips_comments() {}
   virtual int comments() const { return 0; }
-  // Of what HistorianSource::bytes counts; negative: not known.
+  // Bytes read of those that HistorianSource::bytes counts; negative: not
+  // known.
   virtual std::int64_t bytes_read() const { return -1; }
 
   // OK, or what is wrong: it names source, line and column (the field, counted

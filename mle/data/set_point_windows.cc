@@ -242,7 +242,7 @@ std::vector<SetPointChange> FindMovesByHand(const Record& record) {
              : moves;
 }
 
-// Of the range of an input, what counts as a move by hand.
+// A change of an input by more than this share of its range is a move by hand.
 constexpr double kLeastMove = 0.02;
 
 bool Covers(const ByHand& stretch, double time) {

@@ -64,7 +64,7 @@ std::vector<SampleRun> EqualRuns(const SampleRow& row, int record) {
   return runs;
 }
 
-// What is usual for an output.
+// The usual behaviour of an output.
 struct Usual {
   double change = 0.0;  // of the model's response, to be beyond
   double run = 1.0;
@@ -92,7 +92,7 @@ Usual UsualOf(const std::vector<Record>& records,
     lengths.push_back(run.samples);
     usual.good += run.samples;
   }
-  // What is constant has one run a record.
+  // A constant output without bad samples has one run in each record.
   usual.moves = runs.size() > records.size();
   if (usual.moves) usual.run = MedianInPlace(lengths);
   return usual;
@@ -119,7 +119,8 @@ StuckOutput FindStuck(const std::vector<Record>& records,
     if (run.samples < kLeastSamples || run.samples < kUsualRuns * usual.run) {
       continue;
     }
-    // What ends a run of an output that moves may be the change expected.
+    // The change that ends a run of an output that moves may be the one
+    // expected.
     const auto part =
         static_cast<Eigen::Index>((usual.moves ? kPart : 1.0) * run.samples);
     const double change =

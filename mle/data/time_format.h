@@ -36,7 +36,7 @@ struct TimeForm {
 // All but kPattern.
 const std::vector<TimeForm>& TimeForms();
 
-// Of kPattern, whose name is the pattern. InvalidArgument as of
+// The form of kPattern, whose name is the pattern. InvalidArgument as of
 // TimePattern::Create().
 absl::StatusOr<TimeForm> FormOfPattern(std::string_view pattern);
 

@@ -137,9 +137,9 @@ absl::Status WideRows::Samples::Add(const RowSource& rows,
   return absl::OkStatus();
 }
 
-// Of a tag that was not met before; −1: its samples are not kept. Where other
-// columns are not to be ignored it is a column without samples, of which the
-// header then speaks.
+// The number of a tag that was not met before; −1: its samples are not kept.
+// Unless other columns are ignored, such a tag is a column without samples, so
+// that the header names it.
 int WideRows::Samples::NumberOf(std::string_view tag,
                                 const std::set<std::string>& wanted) {
   const auto& suffixes = options_.columns.quality_suffixes;
