@@ -17,7 +17,8 @@
 namespace mle {
 namespace {
 
-// Of an unreachable host, unless somebody has said otherwise.
+// Seconds until an unreachable host is given up, unless the name, a service or
+// the environment sets a limit.
 constexpr char kConnectTimeout[] = "15";
 
 constexpr char kRemedy[] =
@@ -88,7 +89,8 @@ bool IsSecret(std::string_view key) {
   return false;
 }
 
-// Of "KEY=VALUE;KEY=VALUE", with another mark between them.
+// Whether text such as "KEY=VALUE;KEY=VALUE", divided by `separator`, has a
+// secret in it.
 bool HasSecret(std::string_view text, char separator) {
   for (const absl::string_view part :
        absl::StrSplit(AbslView(text), separator)) {
@@ -167,7 +169,7 @@ absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text) {
   }
   if (absl::StartsWithIgnoreCase(AbslView(text), "odbc:"))
     return ParseOdbc(text);
-  // What follows may have a password in it.
+  // The text after the scheme may have a password in it, and is not shown.
   const std::string_view scheme = text.substr(0, text.find(':'));
   return absl::InvalidArgumentError(absl::StrCat(
       "'", ShowCsvText(scheme),

@@ -1,4 +1,4 @@
-// What is read from a database: a query, or a table and its columns.
+// The part of a database that is read: a query, or a table and its columns.
 //
 //   DatabaseOptions options;
 //   options.table = "plant.trend";
@@ -28,7 +28,7 @@ struct DatabaseOptions {
   // have points or quotes in them are quoted: plant."my.table". Rows come in
   // order of time.
   std::string table = {};
-  // Of the table; empty: all. The column of times is always read.
+  // Columns of the table; empty: all. The column of times is always read.
   std::vector<std::string> columns = {};
   // Asks for a password, where the database wants one and neither environment
   // nor service file has it; nothing: there is nobody to ask.

@@ -29,7 +29,7 @@ std::string FromEnvironment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-// What SOCI puts before the text of the database.
+// Removes the text that SOCI puts before that of the database.
 std::string_view WithoutPreamble(std::string_view text) {
   for (const std::string_view preamble :
        {"Cannot establish connection to the database.", "Cannot execute query.",
@@ -68,7 +68,7 @@ absl::StatusCode CodeOf(const soci::soci_error& error) {
   }
 }
 
-// Of libpq, where it found no password but was asked for one.
+// Whether libpq was asked for a password and found none.
 bool WantsPassword(const absl::Status& status) {
   return absl::StrContains(status.message(), "no password supplied");
 }

@@ -55,7 +55,7 @@ class DatabaseSession {
  private:
   DatabaseSession() = default;
 
-  // What `call` throws, as a status.
+  // Runs `call`; an exception that it throws becomes a status without secrets.
   absl::Status Guard(const std::function<void()>& call) const;
   absl::Status Open(const DatabaseName& name, const std::string& password);
 

@@ -21,11 +21,11 @@
 namespace mle {
 namespace {
 
-// Of pg_type: date, timestamp, timestamptz.
+// Types of dates in pg_type: date, timestamp, timestamptz.
 constexpr Oid kDate = 1082;
 constexpr Oid kTimestamp = 1114;
 constexpr Oid kTimestampWithZone = 1184;
-// Of rows that are fetched at once, roughly: values may be long.
+// Approximate size of the rows that are fetched at once: values may be long.
 constexpr std::size_t kBlockBytes = std::size_t{16} << 20;
 constexpr int kFirstRows = 64;
 constexpr int kFactor = 4;

@@ -1,6 +1,6 @@
-// What differs between databases. Everything here may throw what SOCI throws;
-// DatabaseSession (database_session.h) is where that ends. Internal to
-// mle/database.
+// The operations that differ between databases. Every one may throw what SOCI
+// throws; DatabaseSession (database_session.h) turns that into a status.
+// Internal to mle/database.
 
 #ifndef MLE_DATABASE_SQL_BACKEND_H_
 #define MLE_DATABASE_SQL_BACKEND_H_
@@ -21,8 +21,8 @@ struct SqlColumn {
   bool is_date = false;  // of a type of dates, not text or numbers
 };
 
-// What goes beyond is an error: a view need not end, and a value may be as long
-// as memory.
+// Limits of a query; more is an error: a view need not end, and a value may be
+// as long as memory.
 struct SqlLimits {
   std::size_t max_value_bytes = std::size_t{1} << 20;  // SQLite's; > 0
   std::int64_t max_rows = 1'000'000'000;               // of a query
@@ -37,7 +37,7 @@ class SqlBackend {
   virtual std::vector<SqlColumn> Start(const std::string& query) = 0;
   // Adds the next rows, `most` or fewer; their number, 0 at the end.
   virtual int Read(int most, RowBlock& rows) = 0;
-  // Of tables and views, for messages; empty: not known.
+  // Names of the tables and views, for messages; empty: not known.
   virtual std::vector<std::string> Tables() { return {}; }
   // By what rows of a table are put in order of a column of times, both names
   // quoted; empty: as they stand.

@@ -22,9 +22,10 @@ namespace {
 constexpr std::size_t kShownColumns = 10;
 // More than zones differ.
 constexpr double kDaySeconds = 86400.0;
-// Of dates as text "2024-03-04T…" is after "2024-03-04 …".
+// Dates as text are read for a day more at the end, as "2024-03-04T…" is after
+// "2024-03-04 …".
 constexpr double kMoreForText = kDaySeconds;
-// What stands for a limit that is not given.
+// Dates that stand for a limit that is not given.
 constexpr char kEarliest[] = "0001-01-01 00:00:00";
 constexpr char kLatest[] = "9999-12-31 23:59:59";
 
