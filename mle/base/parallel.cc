@@ -12,9 +12,9 @@
 namespace mle {
 namespace {
 
-// What the thread sanitizer is told of an order that it cannot see, for libtbb
-// is not instrumented: what stands before `TellRelease(point)` comes before
-// what follows `TellAcquire(point)`. In other builds both do nothing.
+// Tells the thread sanitizer of an order that it cannot see, as libtbb is not
+// instrumented: everything before `TellRelease(point)` happens before
+// everything after `TellAcquire(point)`. In other builds both do nothing.
 #ifdef __SANITIZE_THREAD__
 void TellRelease(char& point) { __tsan_release(&point); }
 void TellAcquire(char& point) { __tsan_acquire(&point); }

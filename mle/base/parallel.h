@@ -10,8 +10,8 @@ namespace mle {
 // body(0), …, body(count − 1), in any order, on at most `threads` threads; 0
 // takes one for each processor. A call within a body shares the threads of the
 // call around it, or with 1 has the body's own alone.
-// What body(i) writes must belong to i alone: then the result does not depend
-// on the number of threads.
+// The data that body(i) writes must belong to i alone: then the result does not
+// depend on the number of threads.
 void ParallelFor(int count, int threads, const std::function<void(int)>& body);
 
 }  // namespace mle

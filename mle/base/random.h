@@ -40,8 +40,8 @@ inline constexpr std::uint64_t kAgeingStream = 3'000'000;
 inline constexpr std::uint64_t kStepTestStream = 1'000'000;
 inline constexpr std::uint64_t kWatchStream = 2'000'000;
 
-// What one stream is drawn for, each from a generator of its own: switching one
-// on leaves the draws of all others as they were.
+// The uses of a stream, each with a generator of its own: switching one on
+// leaves the draws of all others as they were.
 enum Substream : std::uint32_t {
   kMeasurementNoise = 0,  // of a closed loop
   kExcitationInputs = 1,
