@@ -27,9 +27,10 @@ constexpr double kSmallOther = 0.03;
 constexpr double kLeastExplained = 0.5;
 constexpr double kSmallerScale = 1.0 / 6.0;
 constexpr double kHalfTail = 0.025;
-// Of the largest weight; what is below changes no digit that is shown.
+// Courses with less than this share of the largest weight change no digit that
+// is shown.
 constexpr double kNegligibleWeight = 1e-7;
-// Of the largest eigenvalue: below is rounding.
+// Eigenvalues up to this share of the largest are rounding.
 constexpr double kRankLimit = 1e-10;
 constexpr int kBisections = 60;
 constexpr double kRounding = 1e-12;
@@ -92,8 +93,8 @@ class CourseEstimator {
   void AddLastingCourses(double log_prior, const CourseTimes& times);
   void AddAllAtOnce(double log_prior);
   void AddAllCourses();
-  // Of a parameter's courses and no change, the value of β times `share`.
-  // `unfinished`: of those that still go on alone.
+  // Estimate of β times `share` over the courses of parameter `a` and no
+  // change; `unfinished`: over those courses alone that still go on.
   template <typename Share>
   CourseEstimate ValueOf(Index a, const Share& share,
                          bool unfinished = false) const;
@@ -294,7 +295,7 @@ CourseEstimator::Misfit CourseEstimator::MisfitOfBest() const {
   }
   if (freedom < 1.0) return {};
   const double left = std::max(squares - best_gain_, 0.0);
-  // What exceeds noise.
+  // The squares beyond those expected of noise.
   const double more = squares - freedom;
   return {.dispersion = std::max(left / freedom, 1.0),
           .explained = more > 0.0 ? std::min(best_gain_ / more, 1.0) : 1.0};

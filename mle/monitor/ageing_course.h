@@ -91,8 +91,8 @@ struct AgeingCourse {
   bool is_known() const { return changed >= kKnown && probability >= kKnown; }
 };
 
-// Of batches whose numbers increase; `now`: number of the last batch that was
-// looked at.
+// Estimates the course from batches whose numbers increase; `now`: number of
+// the last batch that was looked at.
 AgeingCourse EstimateCourse(const std::vector<ScoredBatch>& batches, int now,
                             const WatchOptions& options);
 

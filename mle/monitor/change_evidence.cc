@@ -73,7 +73,7 @@ class Suffixes {
     solver_.compute(all + prior_ * MatrixXd::Identity(all.rows(), all.cols()));
     projected_ = solver_.solve(scores_[last + 1]);
   }
-  // Of a change that begins with batches[begin].
+  // The contrast of a change that begins with batches[begin].
   WhitenedContrast From(std::size_t begin) const {
     const MatrixXd after = informations_[last_ + 1] - informations_[begin];
     return {scores_[last_ + 1] - scores_[begin] - after * projected_,
@@ -100,7 +100,7 @@ class Suffixes {
   VectorXd projected_;
 };
 
-// Of the parameters first … first + 2, all others eliminated.
+// The contrast of the parameters first … first + 2, all others eliminated.
 struct OwnContrast {
   WhitenedContrast own;
   double log_others = 0.0;  // ln of the likelihood ratio of the others alone
@@ -131,7 +131,7 @@ OwnContrast WithoutOthers(const WhitenedContrast& all, Index first) {
           .log_others = 0.5 * score.dot(best)};
 }
 
-// What all evidence is made of.
+// The contrasts of all possible begins, from which all evidence is computed.
 struct Contrasts {
   std::vector<WhitenedContrast> of_begins;
   std::vector<double> weights;  // their logarithms

@@ -54,13 +54,13 @@ struct ScorePart {
   Eigen::MatrixXd information;  // n × n
 };
 
-// What is remembered of an output's batch, or of several that were merged.
+// The scores kept of an output's batch, or of several that were merged.
 struct ScoredBatch {
   int number = 0;               // of the batch since the watch began, from 0 on
   int length = 1;               // batches that are in it
   Eigen::VectorXd score;        // n, a multiple of three
   Eigen::MatrixXd information;  // n × n
-  // Of one change of set points, which both have in them.
+  // The part of both that comes from one change of set points.
   std::optional<ScorePart> largest = {};
 };
 
@@ -104,15 +104,15 @@ double ConfirmedElementEvidenceOf(const std::vector<ScoredBatch>& batches,
 std::vector<ScoredBatch> MergeOld(const std::vector<ScoredBatch>& batches,
                                   int now);
 
-// What the batches tell of the three parameters of an element in a change that
-// begins with the first batch of number `begin` or more: the information of
-// V_s, all other elements' changes eliminated. Zero without such a batch.
+// The information of the batches on the three parameters of an element, for a
+// change that begins with the first batch of number `begin` or more: V_s, all
+// other elements' changes eliminated. Zero without such a batch.
 Eigen::Matrix3d OwnInformation(const std::vector<ScoredBatch>& batches,
                                int begin, int element,
                                const WatchOptions& options);
 
-// What explains the evidence best, all elements equally likely beforehand and
-// one parameter changed at once.
+// The change that explains the evidence best, all elements equally likely
+// beforehand and a single parameter changed abruptly.
 struct LikelyChange {
   int element = 0;           // of those present
   int parameter = 0;         // 0: gain, 1: time constant, 2: dead time

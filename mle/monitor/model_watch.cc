@@ -72,15 +72,17 @@ constexpr double kLeastDeviation = 0.1;  // of innovations, in √r
 // Enough for a noise shape; more cost time.
 constexpr int kMostForNoise = 6000;
 constexpr int kMostLags = 120;
-// Of a dead time, in samples: what clocks and scans make of it.
+// Changes of a dead time up to this, in samples, may come from clocks and
+// scans.
 constexpr double kLeastDelay = 0.1;
-// What tells less than this of a change of the size expected says nothing.
+// A batch is not used for an output if its information on every parameter,
+// times the variance of the change expected, is less than this.
 constexpr double kLeastInformation = 1e-3;
-// Of the samples of the reference, outside of the usual range.
+// Share of the reference's samples below the usual range, and share above it.
 constexpr double kUnusual = 0.01;
 // Probability that the largest change of a batch is noise.
 constexpr double kMoreThanNoise = 0.01;
-// Of changes that agree, those whose disagreement is not believed to be noise.
+// Changes agree unless their differences have a smaller p-value than this.
 constexpr double kDisagree = 0.05;
 
 // Until responses have settled, in samples: two years of minutes.
@@ -99,7 +101,7 @@ void Mask(const std::vector<bool>& around, bool wanted, int first,
   }
 }
 
-// Of each sample: how many stretches that are `around` begin up to it.
+// For each sample: how many segments that are `around` begin up to it.
 std::vector<int> NumberStretches(const std::vector<bool>& around) {
   std::vector<int> numbers(around.size(), 0);
   int number = 0;
@@ -444,7 +446,8 @@ BatchOutput ModelWatch::ScoreOutput(const OutputReference& reference,
     of_largest = {std::move(part.score), std::move(part.information)};
   }
   if (groups.size() < 2) return scores;
-  // What one change of the parameters leaves of what each explains by its own.
+  // The sum of squares that the parts explain by changes of their own, less
+  // that explained by one change of the parameters common to all.
   const double disagree =
       apart - ExplainedSquares(scores.score, scores.information);
   const auto freedom = static_cast<double>(row.num_parameters()) *

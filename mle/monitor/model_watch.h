@@ -101,10 +101,10 @@ struct BatchOutput {
   std::string reason;           // of kCannotTell: a whole sentence
   Eigen::VectorXd score;        // n, or empty
   Eigen::MatrixXd information;  // n × n, or empty
-  // Of the change of set points in it whose score is largest, by SᵀV⁺S, where
-  // that is more than noise is in 99 of 100 batches, there are others, and all
-  // agree: that one change of the parameters explains them is not rejected at
-  // 5 %.
+  // Score and information of the set-point change in the batch whose score is
+  // the largest, by SᵀV⁺S. Empty unless noise in one change exceeds that with a
+  // probability below 1 %, there are other changes, and all agree: that one
+  // change of the parameters explains them is not rejected at 5 %.
   std::optional<ScorePart> largest = {};
 };
 
@@ -155,7 +155,7 @@ class ModelWatch {
  private:
   ModelWatch() = default;
 
-  // Of each sample: whether it is around a change.
+  // For each sample: whether it is around a change.
   absl::StatusOr<std::vector<bool>> AroundChanges(const Record& record) const;
   absl::StatusOr<std::vector<WatchBatch>> Examined(
       const std::vector<WatchBatch>& batches) const;

@@ -109,7 +109,7 @@ absl::Status ChangeSearch::MakeCandidates() {
     double size = range(i);
     for (int j = 0; j < model.num_inputs(); ++j) {
       const double moved = std::abs(inputs(j));
-      // Of an input that stood still the range says nothing.
+      // The range of an input that stood still does not limit the change.
       if (moved > 0.0 && range(p + j) > 0.0) {
         size = std::min(size, range(p + j) / moved);
       }

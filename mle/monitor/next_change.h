@@ -26,8 +26,8 @@
 // reference at most. Of the candidates that after which OwnInformation() of a
 // is largest is proposed.
 //
-// What k such batches are expected to show is computed by the watch itself: ln
-// E of the element by ConfirmedEvidenceOf() after k more batches with the
+// The evidence expected after k such batches is computed by the watch itself:
+// ln E of the element by ConfirmedEvidenceOf() after k more batches with the
 // informations I of ModelWatch::ExpectedInformation() and, for scores, their
 // means I (θ + δ e_a), θ as estimated before the change began (unseen: 0, and
 // of the batches so far their means too; baseline: without δ, and then k more
@@ -51,7 +51,7 @@
 
 namespace mle {
 
-// Of an output: what it is remembered by, and the evidence after the last.
+// The batches kept of an output, and the evidence after the last of them.
 struct ScoredOutput {
   std::vector<ScoredBatch> batches;
   ChangeEvidence evidence;

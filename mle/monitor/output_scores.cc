@@ -10,9 +10,9 @@
 namespace mle {
 namespace {
 
-// Of the largest eigenvalue: below is rounding.
+// Eigenvalues up to this share of the largest are rounding.
 constexpr double kSingular = 1e-10;
-// Of Huber's estimate; the third moves nothing.
+// Iterations of Huber's estimate; a third changes nothing.
 constexpr int kRounds = 2;
 
 Eigen::VectorXd BestChange(const ScoreSums& sums) {

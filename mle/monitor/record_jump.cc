@@ -35,7 +35,7 @@ struct KnownSamples {
       values.push_back(row(k));
     }
   }
-  // Of the noise, from differences.
+  // Standard deviation of the noise, from differences.
   double Deviation() const {
     std::vector<double> steps;
     for (std::size_t n = 1; n < values.size(); ++n) {

@@ -49,12 +49,13 @@ class RowResponse {
 
   // n: three for each element present.
   int num_parameters() const { return 3 * static_cast<int>(inputs_.size()); }
-  // Of the elements present.
+  // Inputs of the elements present.
   const std::vector<int>& inputs() const { return inputs_; }
   // n: the unit of each parameter, 1, 1, s.
   const Eigen::VectorXd& units() const { return units_; }
 
-  // Of the outputs that are not NaN, none of which may be too few: 20 at least.
+  // Estimates the noise of the output from its samples that are not NaN, of
+  // which there must be 20 at least.
   NoiseEstimate EstimateNoise(const std::vector<Record>& records) const;
   // `groups`: of each sample; empty: all of one. Each group of a run of known
   // inputs has an offset of its own, and free steps where it shows them

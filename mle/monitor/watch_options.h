@@ -1,5 +1,5 @@
-// What the watch of a model asks for: its level, its life, and which changes
-// count.
+// Options of the watch of a model: the probability of a false alarm, the
+// model's life, and which changes count.
 
 #ifndef MLE_MONITOR_WATCH_OPTIONS_H_
 #define MLE_MONITOR_WATCH_OPTIONS_H_
