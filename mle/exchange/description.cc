@@ -18,14 +18,14 @@
 namespace mle {
 namespace {
 
-// Of the range: with which no further shape is tried.
+// Difference, relative to near_range_, with which no further shape is tried.
 constexpr double kNear = 2e-3;
-// Of dead time and lag: the time over which a ramp counts.
+// A ramp counts over this many times the sum of its dead time and lag.
 constexpr double kRampOver = 10.0;
-// Of the root mean square of a simpler shape: what a further shape may leave.
-// Five lags fitted to noise leave nine tenths.
+// A further shape is taken if it leaves less than this share of the root mean
+// square of a simpler one. Five lags fitted to noise leave nine tenths.
 constexpr double kMaterial = 0.75;
-// Of the range: what a response has passed after its dead time.
+// A response that exceeds this share of its range is past its dead time.
 constexpr double kOnset = 0.05;
 constexpr double kRationalTolerance = 1e-3;
 

@@ -34,8 +34,8 @@
 
 namespace mle {
 
-// Of the range of a response: the largest difference of a description that is
-// used, and that of one that is used with a warning.
+// Largest difference, relative to the range of a response, of a description
+// that is used, and of one that is used without a warning.
 inline constexpr double kAcceptedDifference = 0.05;
 inline constexpr double kUnremarkableDifference = 0.01;
 // How far, in that range, a description may still move after the last
@@ -49,7 +49,7 @@ struct PairDescription {
   double relative_rms = 0.0;
   double largest_difference = 0.0;
   double time = 0.0;  // of the largest difference
-  // What the description still moves after the last coefficient, where the
+  // How far the description still moves after the last coefficient, where the
   // response does not end in a ramp.
   double moves_on = 0.0;
 };
@@ -62,9 +62,9 @@ struct Description {
 // max(h, 0) − min(h, 0) of a response h, in its unit.
 double RangeOf(const Eigen::VectorXd& response);
 
-// Of a valid model. InvalidArgument names pairs that end in a ramp without a
-// slope, those whose difference is larger than kAcceptedDifference, with its
-// size and time, and those that move on after their last coefficient.
+// Describes a valid model. InvalidArgument names pairs that end in a ramp
+// without a slope, those whose difference is larger than kAcceptedDifference,
+// with its size and time, and those that move on after their last coefficient.
 absl::StatusOr<Description> Describe(const StepResponseModel& model);
 
 // "overhead ← reflux: 3.2 % of its range at 14 min".

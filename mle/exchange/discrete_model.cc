@@ -23,8 +23,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-// Of the sum of magnitudes of a polynomial's coefficients: its value at z = 1
-// where that is a root of it, to rounding.
+// z = 1 is a root of a polynomial whose value there is at most this share of
+// the sum of magnitudes of its coefficients.
 constexpr double kRootAtOne = 1e-9;
 constexpr int kMostDiscreteCoefficients = 1000;
 

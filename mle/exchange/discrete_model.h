@@ -55,11 +55,13 @@ struct DiscreteModel {
   absl::Status Validate() const;
 };
 
-// Of a valid model, by its difference equations: h(kΔt), k = 0 … samples − 1.
+// Step response of a valid model, by its difference equations: h(kΔt), k = 0 …
+// samples − 1.
 StepResponse ComputeStepResponse(const DiscreteModel& model, int samples);
 
-// Of a valid model: every pair until its slowest mode has decayed to 1e-4,
-// pairs with a pole at z = 1 as ramps (sampled_responses.h).
+// Step responses of a valid model: every pair until its slowest mode has
+// decayed to 1e-4, pairs with a pole at z = 1 as ramps
+// (state_space_responses.h).
 absl::StatusOr<StepResponseModel> StepResponsesOf(const DiscreteModel& model);
 
 // `element` under held inputs, exact to rounding: poles e^{pΔt}; `element` has

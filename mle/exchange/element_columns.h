@@ -37,7 +37,8 @@ inline bool IsTimeColumn(ElementColumn column) {
 // "dead time", as the program writes it.
 const char* NameOf(ElementColumn column);
 
-// Of a field of a header; a unit in brackets at its end does not count.
+// The column that a field of a header names, nothing for other fields; a unit
+// in brackets at its end does not count.
 std::optional<ElementColumn> ElementColumnOf(std::string_view field);
 
 // A damping ratio: zeta, xi, damping.

@@ -16,12 +16,12 @@ namespace {
 
 constexpr int kTableSamples = 400;
 constexpr int kFiner = 10;  // samples between them, for the difference
-// Of the square of the sum of two time constants: their difference, squared,
-// that rounding makes negative.
+// A negative (T − T₂)² is zero to rounding down to this share of the square of
+// T + T₂.
 constexpr double kTimeConstantRounding = 1e-12;
 
 // T and T₂ of T T₂ s² + (T + T₂) s + 1, the larger first.
-// Of an integrating element they stand beside the pole at 0.
+// An integrating element has the pole at 0 beside them.
 std::optional<std::pair<double, double>> Lags(const TransferFunction& g) {
   std::vector<double> a = g.denominator();
   if (g.IsIntegrating()) a.pop_back();

@@ -31,8 +31,8 @@ struct ElementRow {
   double lead = 0.0;                  // A; 0: none
   double delay = 0.0;                 // L ≥ 0
   bool integrating = false;           // K is a slope
-  // Of the step response from the element that the row stands for, relative to
-  // its range; 0 where the row is the element.
+  // Largest difference between the step responses of the row and of the element
+  // that it stands for, relative to the range; 0 where the row is the element.
   double largest_difference = 0.0;
 
   TransferFunction Element() const;

@@ -22,7 +22,8 @@ using Eigen::VectorXd;
 
 constexpr int kSteps = 100;
 constexpr double kConverged = 1e-12;  // of the squares
-// Of the time at which the ramp would begin: starts of T, the rest being L.
+// Starting values of T, as shares of the time from the least dead time to where
+// the ramp would begin; L is the rest of the time until then.
 constexpr std::array<double, 4> kStarts = {0.02, 0.3, 0.7, 0.95};
 
 // Dead times that are tried: later than the response nothing is seen of them.

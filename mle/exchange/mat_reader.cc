@@ -59,7 +59,8 @@ void AppendUtf8(std::uint32_t code, std::string& text) {
   }
 }
 
-// Of a name or a unit. Of a damaged file any number may come out.
+// Limit of the characters of a name or a unit: a damaged file may state any
+// number.
 constexpr std::size_t kMostCharacters = 10'000;
 
 // A row of characters; nothing for other variables.

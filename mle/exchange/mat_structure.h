@@ -1,5 +1,5 @@
-// What a MAT file of version 5 says of its own sizes, looked at before libmatio
-// believes it. Internal to mle/exchange.
+// Checks the sizes that a MAT file of version 5 states, before libmatio relies
+// on them. Internal to mle/exchange.
 
 #ifndef MLE_EXCHANGE_MAT_STRUCTURE_H_
 #define MLE_EXCHANGE_MAT_STRUCTURE_H_

@@ -64,7 +64,7 @@ double RoundedUp(double value) {
   return 10.0 * power;
 }
 
-// Of the slowest element: many lags one behind the other are slower than the
+// Settling time of the slowest element: many lags in series are slower than the
 // slowest of them, by which SettlingTime() goes.
 double TimeToSettle(const ProcessModel& model) {
   double longest = SettlingTime(model);
@@ -84,8 +84,8 @@ double ChooseInterval(const ModelFile& file, const ModelConversion& to) {
   return settling > 0.0 ? RoundedUp(settling / kCoefficients) : 1.0;
 }
 
-// What a response still moves after its last coefficient, relative to its
-// range; of a ramp, the relative difference of its slope.
+// How far a response still moves after its last coefficient, relative to its
+// range; for a ramp, the relative difference of its slope.
 double LeftAfter(const TransferFunction& g, const PairResponse& pair,
                  double interval) {
   const VectorXd& c = pair.coefficients;
@@ -273,8 +273,9 @@ absl::Status Converter::ToStepResponses() {
   return Write(steps);
 }
 
-// What was near noisy step responses need not be near any once it is sampled,
-// and not every form can hold every name. MAT files hold what they are given.
+// Checks that the text can be read again. A model that was near noisy step
+// responses may be sampled to ones that no description is near, and not every
+// form can hold every name. MAT files hold what they are given.
 absl::Status Converter::CheckText() const {
   if (to_.type == ModelFileType::kMat) return absl::OkStatus();
   const absl::StatusOr<ModelFile> read = ParseModelFile(result_.text, "it");

@@ -33,7 +33,7 @@
 
 namespace mle {
 
-// Of "step_responses"; nothing for other names.
+// The form that is named "step_responses" …; nothing for other names.
 std::optional<ModelForm> ModelFormOf(std::string_view name);
 
 struct ModelConversion {
@@ -43,11 +43,11 @@ struct ModelConversion {
   // time, ≥ 0; 0: that of the file, where it has one, else a sixtieth of the
   // settling time, rounded up to 1, 2 or 5 times a power of ten.
   double interval = 0.0;
-  // Of step responses, 0 or from kFewestCoefficients to 100,000; 0: as many as
-  // the file has, else up to the settling time.
+  // Number of coefficients of step responses, 0 or from kFewestCoefficients to
+  // 100,000; 0: as many as the file has, else up to the settling time.
   int coefficients = 0;
-  // Of a state space: the largest error of an element, relative to its largest
-  // response, in (0, 1).
+  // Largest error of an element of a state space, relative to the element's
+  // largest response, in (0, 1).
   double tolerance = 1e-3;
 
   // Names the field, its value and the constraint broken; a form that the type

@@ -160,7 +160,7 @@ absl::StatusOr<NamedStateSpace> CorrectedStateSpace(
   NamedStateSpace changed = file.state_space;
   MLE_ASSIGN_OR_RETURN(changed.system, WithChange(file.state_space.system,
                                                   file.process, corrected));
-  // What was said of the states given.
+  // The accuracy stated in the file is that of the states given.
   if (changed.system.order() != file.state_space.system.order()) {
     changed.accuracy.reset();
   }

@@ -7,8 +7,8 @@
 //   use(file.process);                            // what can be estimated with
 //   use(FormatCorrected(file, corrected)->text);  // in the form of the file
 //
-// What a file is, its content says: JSON begins with a brace, a MAT file with
-// its version; CSV is a table.
+// The content of a file tells its type: JSON begins with a brace, a MAT file
+// with its version; CSV is a table.
 
 #ifndef MLE_EXCHANGE_MODEL_FILE_H_
 #define MLE_EXCHANGE_MODEL_FILE_H_
@@ -46,15 +46,16 @@ struct ModelFile {
   // The model itself, or what describes it.
   ProcessModel process;
   ElementTable elements;  // of kElementTable: the file's content
-  // Of the other forms: the file's content, and its step responses, which are
-  // it of kStepResponses; how near `process` is to these.
+  // For forms that are described: the file's content, in the member of its
+  // form; its step responses, which are the content of kStepResponses; and how
+  // near `process` is to these.
   DiscreteModel discrete;
   NamedStateSpace state_space;
   StepResponseModel step_responses;
   std::vector<PairDescription> descriptions;
 };
 
-// Of JSON and CSV. `source` (a file's name) opens every message.
+// Parses JSON or CSV. `source` (a file's name) opens every message.
 absl::StatusOr<ModelFile> ParseModelFile(std::string_view text,
                                          std::string_view source);
 absl::StatusOr<ModelFile> ReadModelFile(const std::string& path);
@@ -63,7 +64,7 @@ absl::StatusOr<ModelFile> ReadModelFile(const std::string& path);
 // difference of more than kUnremarkableDifference.
 std::vector<std::string> NotableDifferences(const ModelFile& file);
 
-// What the file would hold of step responses, with its description.
+// The ModelFile of step responses, with their description.
 absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
                                           std::string_view source);
 

@@ -17,8 +17,9 @@ struct NearestIntegrator {
   double gain = 0.0;           // K
   double time_constant = 0.0;  // T
   double delay = 0.0;          // L
-  // Of step responses over dead time and six times the slowest time constant,
-  // relative to their range; 0 where the element has the form.
+  // Differences between the step responses of integrator and element over dead
+  // time and six times the slowest time constant, relative to the range of the
+  // element's; 0 where the element has the form.
   double relative_rms = 0.0;
   double largest_difference = 0.0;
 

@@ -97,7 +97,8 @@ class Composition {
   int LeftOf(const Part& part) const {
     return part.delay - input_delays_[part.input] - output_delays_[part.output];
   }
-  // What input j was `late` samples ago: a state, or the input itself.
+  // Lets input j of `late` samples ago, which is a state or the input itself,
+  // act on the states from `row` on by `weights`.
   void Feed(int j, int late, Index row, const Eigen::VectorXd& weights,
             DiscreteStateSpace& system) const;
 

@@ -18,10 +18,11 @@ constexpr double kSettled = 1e-4;
 constexpr int kManyCoefficients = 600;
 constexpr double kMostNumbers = 1e7;
 
-// Of what state and matrices could give: what is rounding of a pair without
-// effect.
+// A response of at most this share of (samples · norm of the row of C · norm of
+// the column of B) is rounding: the input has no effect.
 constexpr double kResponseRounding = 1e-13;
-// Of 1: an eigenvalue that integrates (DiscreteStateSpace::Validate()).
+// An eigenvalue within this distance of 1 integrates
+// (DiscreteStateSpace::Validate()).
 constexpr double kIntegrates = 1e-9;
 
 // The largest magnitude of an eigenvalue that does not integrate.

@@ -19,10 +19,10 @@
 
 namespace mle {
 
-// Of a valid model, as sampled_responses.h says: every pair, until its slowest
+// Step responses of a valid model, by Sample(): every pair, until its slowest
 // mode has decayed to 1e-4; pairs that integrate as ramps. InvalidArgument
-// where an output follows an input at once (D ≠ 0), as no step response at the
-// coefficients' times tells, or where the model is too slow.
+// where an output follows an input at once (D ≠ 0), which no step response at
+// the coefficients' times tells, or where the model is too slow.
 absl::StatusOr<StepResponseModel> StepResponsesOf(const NamedStateSpace& named);
 
 // Step responses of a discrete model, sampled until they have settled: what
@@ -38,7 +38,8 @@ struct SampledModel {
   std::function<StepResponse(int samples)> respond;
 };
 
-// Of a mode with a pole of this magnitude below 1.
+// Number of samples after which a mode with a pole of this magnitude, below 1,
+// has decayed to 1e-4.
 double SamplesToDecay(double magnitude);
 
 // The interval is Δt, or a multiple of it where that would be more than some

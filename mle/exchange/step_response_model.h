@@ -29,7 +29,7 @@
 namespace mle {
 
 inline constexpr int kFewestCoefficients = 10;
-// Of Δ: what times in a file may be off by, as they are rounded.
+// Times in a file may be off by this share of Δ, as they are rounded.
 inline constexpr double kTimeTolerance = 0.01;
 
 struct PairResponse {
