@@ -26,7 +26,7 @@ Forms: transfer_functions (.json, .mat), element_table (.csv), step_responses
 docs/formats.md has them. Exit codes: 0 done; 1 there is no such model within
 the tolerance; 2 bad input or flags.)";
 
-// Of rounding, which is not worth a line.
+// Differences up to this are due to rounding, and not worth a line.
 constexpr double kExact = 1e-9;
 
 struct Request {

@@ -26,7 +26,7 @@ class CleanBuffer : public std::streambuf {
 // std::cout and std::cerr are clean from here on.
 void CleanOutput();
 
-// Of standard error, for what is to command the terminal.
+// The original buffer of standard error, for control sequences to the terminal.
 std::streambuf* UncleanErrors();
 
 }  // namespace mle

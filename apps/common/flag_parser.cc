@@ -19,7 +19,7 @@ constexpr int kMaxDepth = 10;  // of flag files that name flag files
 absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
                       ParsedFlags& parsed);
 
-// What a value of a type has to be.
+// The end of the message on a value that does not fit `type`: "'x' is …".
 std::string Wanted(const std::string& type) {
   if (type == "bool") return "neither true nor false";
   if (type == "double") return "not a number";

@@ -20,7 +20,7 @@
 
 namespace mle {
 
-// What the command line holds besides flags that were set.
+// The requests of a command line for help or the version.
 struct ParsedFlags {
   bool help = false;
   std::string help_topic;  // of --help=all or --help=window; empty: none

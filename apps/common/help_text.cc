@@ -129,7 +129,8 @@ std::string ManualEntry(const OptionText& option) {
                       Troff(value), "\n", Troff(option.help), "\n");
 }
 
-// What the first paragraph of a usage says before its first colon or full stop.
+// The first paragraph of a usage up to its first colon or full stop, with a
+// small first letter.
 std::string FirstStatement(std::string_view usage) {
   const std::string text = absl::StrReplaceAll(
       AbslView(usage.substr(0, usage.find("\n\n"))), {{"\n", " "}});

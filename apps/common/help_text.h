@@ -1,5 +1,5 @@
-// What users read about a command's flags, made from its table of options:
-// --help, the manual page, and the completion of bash.
+// The help on a command's flags, made from its table of options: --help, the
+// manual page, and the completion of bash.
 //
 //   std::cout << ShortHelp(usage, table);     // --help
 //   std::cout << FullHelp(usage, table);      // --help=all

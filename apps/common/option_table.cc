@@ -74,7 +74,7 @@ absl::Status ReadFlagOption(Option& option) {
       option.value);
 }
 
-// What a flag of the field's type takes.
+// Reads a flag's text by the type of its field; false where it does not fit.
 bool Parse(const std::string& text, bool* field) {
   return absl::SimpleAtob(text, field);
 }

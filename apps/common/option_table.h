@@ -57,7 +57,7 @@ std::vector<Option> Only(const std::vector<Option>& options,
 // The option of that name, to be changed before it is added.
 Option& Find(std::vector<Option>& options, std::string_view name);
 
-// What users read of an option.
+// The texts on an option that users read.
 struct OptionText {
   std::string group;
   std::string name;

@@ -8,7 +8,7 @@
 
 namespace mle {
 
-// What is typed after `prompt`, which the terminal does not show; nothing
+// The line typed after `prompt`, which the terminal does not show; nothing
 // without a terminal, and where no line is typed.
 std::optional<std::string> AskPassword(const std::string& prompt);
 

@@ -1,4 +1,4 @@
-// What a long run is doing, on standard error: on a terminal one line that is
+// The progress of a long run, on standard error: on a terminal one line that is
 // rewritten, in a log a line every ten seconds. Runs that are done within two
 // seconds say nothing.
 //

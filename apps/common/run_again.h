@@ -14,8 +14,7 @@ namespace mle {
 
 using NamesAndValues = std::vector<std::pair<std::string, std::string>>;
 
-// Of options those that shape results: not out, part, threads, verbose and
-// json.
+// The options that shape results: all but out, part, threads, verbose and json.
 NamesAndValues ShapingResults(NamesAndValues options);
 
 // The same of the flags of the command that was started.
@@ -26,7 +25,8 @@ NamesAndValues ResultFlags();
 report::RunAgain HowToRunAgain(const std::vector<std::uint64_t>& seeds,
                                NamesAndValues checksums = {});
 
-// Of a run that was not started as a command: what was called, and its options.
+// The same for a run that was not started as a command: the call and its
+// options.
 report::RunAgain HowToCallAgain(const std::string& call,
                                 const NamesAndValues& options,
                                 NamesAndValues checksums);

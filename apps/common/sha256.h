@@ -29,7 +29,7 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-// Of one text.
+// The SHA-256 of one text, in hexadecimal digits.
 std::string Sha256Of(std::string_view bytes);
 
 }  // namespace mle

@@ -143,8 +143,8 @@ struct ControllerSpec {
   control::MpcOptions mpc;
 };
 
-// What a plant and its historian do to records (sim/effects_json.h). Times
-// count from the begin of each run.
+// The effects of a plant and its historian on records (sim/effects_json.h).
+// Times count from the begin of each run.
 struct EffectsSpec {
   std::string name = "none";
   // Those of each of the campaign's models; empty: none.
@@ -179,8 +179,8 @@ struct Campaign {
   std::vector<SolverSpec> solvers;
   std::vector<Method> methods;
 
-  // What all runs have in common. Controller, noise, drift, windows, selection
-  // and solver are taken from the lists instead.
+  // The options that all runs share. Controller, noise, drift, windows,
+  // selection and solver are taken from the lists instead.
   ExperimentOptions settings;
 };
 
@@ -216,8 +216,8 @@ absl::StatusOr<ExperimentOptions> OptionsOf(const Campaign& campaign,
 // The channels of plants drawn at random.
 ProcessModel ChannelsOf(const RandomPlants& plants);
 
-// What can be known before anything is run: that the options of every model,
-// controller and windows belong together.
+// Checks before anything is run that the options of every model, controller and
+// windows fit together.
 absl::Status CheckScenarios(const Campaign& campaign);
 
 }  // namespace mle::experiment

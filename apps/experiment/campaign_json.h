@@ -18,8 +18,8 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
                                             const std::string& source,
                                             const std::string& folder);
 
-// What ResolveCampaign() gave. Everything that can be known before a run is
-// checked; errors name the JSON path.
+// Parses the text that ResolveCampaign() gave. Everything that can be known
+// before a run is checked; errors name the JSON path.
 absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
                                        const std::string& source);
 

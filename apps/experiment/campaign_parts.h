@@ -42,7 +42,7 @@ absl::Status ReadNamedList(const JsonNode& node, const std::string& key,
 absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
                                                     const NumberRange& range);
 
-// What is simulated.
+// Parsers of the parts that define the simulation.
 
 absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node);
 absl::Status ParseModelSpec(const JsonNode& node, ModelSpec& spec);

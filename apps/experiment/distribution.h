@@ -1,4 +1,4 @@
-// What many values say.
+// Means, intervals and quantiles of many values.
 //
 // Means have bootstrap intervals (Efron and Tibshirani, An Introduction to the
 // Bootstrap, 1993, ch. 13: percentiles of means of resampled runs), since E and

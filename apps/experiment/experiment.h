@@ -50,15 +50,15 @@ class SharedConversion {
   Shared<ConversionSummary> conversion_;
 };
 
-// What only a simulation can know of ΔR of the whole model, one λ for all
-// outputs: at the best λ of the grid, and at the smallest.
+// E of ΔR for the whole model, with one λ for all outputs, which only a
+// simulation can know: at the best λ of the grid, and at the smallest.
 struct Hindsight {
   double best_lambda = 0.0;
   double best_E = 0.0;
   double zero_E = 0.0;
 };
 
-// What a method made of the records. Pointers belong to the experiment.
+// The result of a method on the records. Pointers belong to the experiment.
 struct Evaluation {
   StepResponse response;  // of the model estimated
   Judgement judgement;    // against the plant's
@@ -77,7 +77,7 @@ struct Evaluation {
 
 class Experiment {
  public:
-  // What is given must outlive the object.
+  // The arguments must outlive the object.
   static absl::StatusOr<std::unique_ptr<Experiment>> Create(
       const Campaign& campaign, const Scenario& scenario, std::uint64_t seed,
       const ProcessModel& initial, SharedConversion& conversion);

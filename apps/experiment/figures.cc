@@ -28,7 +28,7 @@ constexpr std::array<LineStyle, 6> kMethodLines = {
     LineStyle::kSolid, LineStyle::kDashed,     LineStyle::kDashDotted,
     LineStyle::kSolid, LineStyle::kDashDotted, LineStyle::kDashed};
 
-// What differs between the runs of a panel is the method and the seed.
+// The cells of one panel, whose runs differ in the method and the seed alone.
 struct Group {
   std::string title;
   std::vector<const Cell*> cells;

@@ -64,10 +64,10 @@ class Grid {
   bool countable_;
 };
 
-// What is kept of one run: a line of runs.csv (docs/formats.md).
+// The row of one run, a line of runs.csv (docs/formats.md).
 
-// What is measured of a run. NaN stands for "there is none" and is written as
-// an empty field.
+// The metrics of a run. NaN stands for "there is none" and is written as an
+// empty field.
 enum class Metric {
   kInitialE,   // E(M, G₀), the model left as it is
   kE,          // E of the model estimated
@@ -122,7 +122,7 @@ std::string CsvField(std::string_view text);
 std::string RowHeader();
 std::string RowText(const Campaign& campaign, const Grid& grid, const Row& row);
 
-// What the line of a run begins with: its number and its coordinates.
+// The start of the line of a run: its number and its coordinates.
 std::string RowStart(const Campaign& campaign, const Grid& grid,
                      std::int64_t run);
 

@@ -29,7 +29,7 @@
 
 namespace mle::experiment {
 
-// What a journal is of.
+// The campaign of a journal: its first lines and its runs.
 struct JournalHead {
   std::string first_line;  // names the campaign
   std::string columns;     // but for the checksum; empty: there is no such line

@@ -1,4 +1,5 @@
-// What one run of the experiment is, but for the models and the seed:
+// The options of one run of the experiment: all but the models and the seed.
+// The steps of a run:
 //
 //   conversion   initial model, excited, → R
 //   records      closed loop on the plant around set-point changes → windows
@@ -23,7 +24,6 @@
 
 namespace mle::experiment {
 
-// What is done about outliers.
 enum class OutlierTreatment {
   kNone,
   kModel,   // marked by a model; for ΔR replaced (output_reconstruction.h)
@@ -66,7 +66,7 @@ struct ExperimentOptions {
   control::MpcOptions controller;  // weights diagonal, no limits
   double noise_variance = 0.001;   // σ² ≥ 0
   WindowSpec windows;
-  // What else the plant has to bear: drift, faults of measurements, …
+  // Further conditions of the plant: drift, faults of measurements, …
   sim::PlantConditions conditions;
   // Beside the conditions and what the windows say of set points.
   sim::Effects effects;
@@ -79,7 +79,7 @@ struct ExperimentOptions {
 
   double response_horizon = 100.0;  // N Δt
 
-  // What must hold between values that are in their ranges
+  // Checks what must hold between values that are in their ranges
   // (experiment_options.h); the rest is checked on the way. Errors name the
   // flags of mle_reproduce; a campaign's keys are called the same.
   absl::Status Validate(const ProcessModel& initial) const;

@@ -1,5 +1,5 @@
-// What mle_study makes of a summary: labels, verdict, tables, figures, the page
-// and the files beside runs.csv.
+// The report of mle_study on a summary: labels, verdict, tables, figures, the
+// page and the files beside runs.csv.
 
 #ifndef APPS_EXPERIMENT_REPORT_H_
 #define APPS_EXPERIMENT_REPORT_H_
@@ -30,7 +30,7 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
 // "arx, paper".
 std::string MethodLabel(const Campaign& campaign, const Method& method);
 
-// What a campaign says about its corrections, in a line and in counts.
+// The verdict on a campaign's corrections, in a line and in counts.
 //
 // A case is a scenario with a method that corrects. Its correction ends closer
 // to the plant where the median over the seeds of the squared distance E of the
@@ -45,7 +45,7 @@ Ending EndingOf(const Cell& cell);
 // every run failed.
 bool IsCase(const Campaign& campaign, const Cell& cell);
 
-// What the cases of one method come to.
+// The counts and error ratios of the cases of one method.
 struct MethodTally {
   int method = 0;  // of the campaign's
   int closer = 0;
@@ -103,7 +103,7 @@ report::Table FailureTable(const StudySummary& summary);
 // curve:
 //   E over the axis of numbers that has the most values, where one has three
 //   how E is distributed over the seeds
-// What a campaign has no values for is left out.
+// Figures and curves that would have no values are left out.
 inline constexpr int kMaxPanels = 6;
 std::vector<report::NamedFigure> MakeFigures(const Campaign& campaign,
                                              const StudySummary& summary);
@@ -114,8 +114,8 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
                        const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again);
 
-// What mle_study leaves beside runs.csv: summary.csv, summary.json, the figures
-// and report.html; and what it prints.
+// The files that mle_study writes beside runs.csv (summary.csv, summary.json,
+// the figures and report.html), and the summary that it prints.
 
 absl::Status WriteOutputs(const std::string& folder, bool figures,
                           const Campaign& campaign, const StudySummary& summary,

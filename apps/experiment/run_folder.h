@@ -29,7 +29,7 @@
 
 namespace mle::experiment {
 
-// What a campaign is made of.
+// The work of a campaign: its journal, its units and their runs.
 struct Work {
   std::string file;  // of the journal, in the folder
   JournalHead head;

@@ -17,7 +17,7 @@
 namespace mle::experiment {
 namespace {
 
-// What figures show of a cell, and of how many cells.
+// Figures show at most this many values of a cell, of this many cells.
 constexpr std::size_t kShownValues = 2000;
 constexpr std::int64_t kShownCells = 64;
 constexpr Metric kShownMetrics[] = {Metric::kE, Metric::kBestE};

@@ -1,5 +1,5 @@
-// What a campaign's runs say, cell by cell: the runs of a cell differ in their
-// seed alone.
+// The summary of a campaign's runs, cell by cell: the runs of a cell differ in
+// their seed alone.
 
 #ifndef APPS_EXPERIMENT_SUMMARY_H_
 #define APPS_EXPERIMENT_SUMMARY_H_

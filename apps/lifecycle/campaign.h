@@ -68,7 +68,7 @@ struct LifeKey {
   double ageing_rate = 1.0;
   std::uint64_t seed = 1;
 
-  // What the line of the life begins with.
+  // The start of the life's line.
   std::string LineStart(const Settings& settings) const;
 };
 

@@ -52,7 +52,8 @@ Style StyleAt(const std::vector<Policy>& policies, std::size_t place) {
   return StyleOfPolicy(policies[place], member);
 }
 
-// What a policy costs beyond the perfect model, where that is known.
+// The cost of a policy beyond the perfect model's, where that is known; else
+// its whole cost.
 MeanOfSeeds Drawn(const PolicySummary& policy) {
   return std::isfinite(policy.excess.mean) ? policy.excess : policy.cost;
 }

@@ -85,7 +85,8 @@ std::string LivesThatWouldTell(const MeanOfSeeds& difference,
                       ") would tell if that difference stays.");
 }
 
-// What the policy saves against never, and of what is possible.
+// The saving of the cheapest policy against never updating, and its share of
+// what a perfect model would save.
 std::string SavingSentence(const RateSummary& rate, const std::string& currency,
                            std::size_t lives, Answer answer) {
   const PolicySummary* best = rate.Cheapest();
@@ -114,7 +115,7 @@ std::string SavingSentence(const RateSummary& rate, const std::string& currency,
   return sentence + ".";
 }
 
-// What a perfect model would save, where nothing else was compared.
+// The saving of a perfect model, where no policy that updates was compared.
 std::string PossibleSaving(const RateSummary& rate,
                            const std::string& currency) {
   const std::string more = "Add policies that update it to --policies.";

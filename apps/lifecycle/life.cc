@@ -241,7 +241,7 @@ absl::StatusOr<Life> LiveThrough(const Scenario& scenario, const Policy& policy,
   Life life;
   for (const SetPointEvent& event : scenario.events) {
     absl::StatusOr<ChangeRow> row = years.Change(event);
-    // What a correction says that was stopped is not kept.
+    // A change during which the run was stopped is not kept.
     if (stop()) return absl::CancelledError("stopped");
     if (row.status().code() == absl::StatusCode::kFailedPrecondition) {
       life.ended = std::string(row.status().message());

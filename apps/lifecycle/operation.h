@@ -55,7 +55,7 @@ struct OperationOptions {
   absl::Status Validate(const ProcessModel& model) const;
 };
 
-// What happened from the end of the last change (or step test) to the end of
+// The operation from the end of the last change (or step test) to the end of
 // this one.
 struct ChangeOperation {
   control::OperationSums quiet;      // up to the change

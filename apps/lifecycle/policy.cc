@@ -20,7 +20,7 @@ absl::Status WrongPart(const std::string& part, const std::string& why) {
   return absl::InvalidArgumentError(absl::StrCat("'", part, "': ", why));
 }
 
-// What follows the colon; `none` where there is no colon.
+// The number after the colon; `none` where there is no colon.
 absl::StatusOr<double> Argument(const std::string& part, double none) {
   const std::size_t colon = part.find(':');
   if (colon == std::string::npos) return none;
@@ -131,7 +131,7 @@ std::string Months(const std::string& months) {
                        : absl::StrCat("every ", months, " months");
 }
 
-// What a correction estimates.
+// The parts of the model that a correction estimates: the start of a sentence.
 absl::string_view Estimated(Estimator estimator) {
   switch (estimator) {
     case Estimator::kOutputError:

@@ -48,7 +48,7 @@ std::string ShortName(const Policy& policy);
 // As an instruction: "Correct the model after every 3rd set-point change".
 std::string Instruction(const Policy& policy);
 
-// What it does and when, in sentences.
+// Sentences that say what the policy does and when.
 std::string Description(const Policy& policy);
 
 }  // namespace mle::lifecycle

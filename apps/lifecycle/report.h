@@ -1,4 +1,4 @@
-// What mle_lifecycle makes of lives: amounts, words, tables, figures, the
+// The report of mle_lifecycle on lives: amounts, words, tables, figures, the
 // verdict, the page and the files.
 
 #ifndef APPS_LIFECYCLE_REPORT_H_
@@ -34,8 +34,8 @@ std::string InCurrency(const std::string& currency);
 
 // The tables of mle_lifecycle.
 
-// What a year costs under each policy, the cheapest first and the perfect model
-// last, and how far it is from the cheapest.
+// The cost of a year under each policy, the cheapest first and the perfect
+// model last, and the difference from the cheapest.
 report::Table ComparisonTable(const RateSummary& rate, std::size_t lives,
                               const std::string& currency);
 
@@ -56,19 +56,19 @@ report::Table SavingTable(const std::vector<RateSummary>& summaries,
 
 inline constexpr char kFloorLabel[] = "perfect model: the floor";
 
-// What each policy costs a year at one rate, with its interval, above the floor
-// that the perfect model is.
+// The cost of each policy a year at one rate, with its interval: that above the
+// perfect model's cost, or the whole cost where there is no perfect model.
 report::NamedFigure CostFigure(const RateSummary& rate,
                                const std::string& currency);
 
-// What each policy costs, and, for the first seed at the rate nearest to 1,
-// cost and model error over time.
+// The cost of each policy, and for the first seed cost and model error over
+// time, both at the rate nearest to 1.
 std::vector<report::NamedFigure> MakeFigures(
     const Campaign& campaign, const Lives& lives,
     const std::vector<RateSummary>& summaries, const Valuation& valuation);
 
-// What to do, from the costs of the policies: at the top of the page and at the
-// end on the terminal.
+// The advice that follows from the costs of the policies: at the top of the
+// page and at the end on the terminal.
 //
 // Two policies are told apart where the 95 % interval of the difference of
 // their costs over the same lives does not hold zero.
@@ -115,8 +115,8 @@ std::string FormatPage(const Campaign& campaign,
                        const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again);
 
-// What a life cycle leaves in its folder: result.json, lifecycle.csv, the
-// figures and report.html.
+// The files that a life cycle leaves in its folder: result.json, lifecycle.csv,
+// the figures and report.html.
 
 struct Results {
   Lives lives;

@@ -28,7 +28,7 @@ using Eigen::VectorXd;
 constexpr double kInputMargin = 4.0;
 constexpr double kOutputMargin = 1.5;
 
-// What does not change a life.
+// The options, beside prices, that do not change a life.
 const std::set<std::string> kNotOfALife = {
     "model",          "plant",   "ageing",     "ageing_rates",
     "policies",       "seeds",   "first_seed", "out",
@@ -51,7 +51,7 @@ absl::Status CheckModel(const ProcessModel& model, const std::string& path) {
   return integrating.ok() ? integrating : AboutOption("model", integrating);
 }
 
-// What the paths name, into `given`.
+// Reads the files that the paths name into `given`.
 absl::Status ReadFiles(const Request& request, GivenModels& given) {
   if (request.model_path.empty() || request.ageing_path.empty()) {
     return absl::InvalidArgumentError(
@@ -177,7 +177,8 @@ double RoundUp(double value, double unit) {
   return std::ceil(value / unit - 1e-9) * unit;
 }
 
-// What is simulated in one piece, and each step response, is kept.
+// Checks the lengths of all that is kept in memory: what is simulated in one
+// piece, and each step response.
 absl::Status CheckLengths(const Request& request, const Campaign& campaign) {
   const OperationOptions& operation = campaign.life.operation;
   const double settling = SettlingTime(campaign.model);

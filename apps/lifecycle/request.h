@@ -1,5 +1,4 @@
-// What mle_lifecycle is asked to do: what is to be lived through, and at what
-// prices.
+// The request to mle_lifecycle: the lives to simulate, and the prices.
 
 #ifndef APPS_LIFECYCLE_REQUEST_H_
 #define APPS_LIFECYCLE_REQUEST_H_

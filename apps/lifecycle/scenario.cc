@@ -49,7 +49,7 @@ std::vector<SetPointEvent> DrawSetPointEvents(const SetPointOptions& options,
   for (;;) {
     const double gap = options.change_every * (0.5 + DrawUniform(times));
     time = std::round((time + gap) / options.grid) * options.grid;
-    // What follows the last change has to fit in before the end.
+    // The shortest gap has to fit in between the last change and the end.
     if (time > end - options.ShortestGap()) break;
     SetPointEvent& event = events.emplace_back();
     event.time = time;

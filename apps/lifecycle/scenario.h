@@ -73,7 +73,7 @@ class SlowDisturbance {
   // is where it comes from.
   Eigen::MatrixXd Draw(std::uint64_t stream, double start, int samples) const;
 
-  // What `path` ends at was at `time`.
+  // Keeps the end of `path` as the disturbance at `time`.
   void Keep(const Eigen::MatrixXd& path, double time);
 
  private:

@@ -83,7 +83,7 @@ struct Valuation {
 std::vector<RateSummary> Summarise(const Campaign& campaign, const Lives& lives,
                                    const Valuation& valuation);
 
-// What a life costs at given prices (control/operating_cost.h).
+// The cost of a life at given prices (control/operating_cost.h).
 
 // Product made during a step test counts with the rest. Corrections that found
 // no change cost no engineer.

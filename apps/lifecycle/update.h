@@ -57,8 +57,8 @@ struct UpdateOptions {
   double control_period = 1.0;
   int response_samples = 501;  // compared with the plant
 
-  // What is simulated here has no outliers, and nobody looks at diagnostics or
-  // an ARX model.
+  // Options for simulated records: these have no outliers, and nobody looks at
+  // diagnostics or an ARX model.
   static CorrectOptions SimulatedRecords();
 };
 

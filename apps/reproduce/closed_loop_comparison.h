@@ -1,8 +1,8 @@
-// What a correction is worth to the loop: the aged plant under the controller
-// with the model before correction, with the corrected one (the ARX model R̂ as
-// it is), and with the plant's own. Horizons, weights and observer are the
-// experiment's; each set-point change of the experiment is run with each model,
-// without noise and with it, noise being the same for all three.
+// The benefit of a correction in the closed loop: the aged plant under the
+// controller with the model before correction, with the corrected one (the ARX
+// model R̂ as it is), and with the plant's own. Horizons, weights and observer
+// are the experiment's; each set-point change of the experiment is run with
+// each model, without noise and with it, noise being the same for all three.
 
 #ifndef APPS_REPRODUCE_CLOSED_LOOP_COMPARISON_H_
 #define APPS_REPRODUCE_CLOSED_LOOP_COMPARISON_H_

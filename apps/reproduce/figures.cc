@@ -76,7 +76,7 @@ std::vector<double> Times(const StepResponse& response) {
   return times;
 }
 
-// What has changed most in each case, and E over λ beside it.
+// The step response that has changed most in each case, and E over λ beside it.
 NamedFigure OverviewFigure(const std::vector<CaseResult>& cases,
                            const Eigen::VectorXd& lambdas) {
   NamedFigure named;

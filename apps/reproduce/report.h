@@ -1,4 +1,4 @@
-// What mle_reproduce makes of its cases: the page, figures, results.json and
+// The report of mle_reproduce on its cases: the page, figures, results.json and
 // curves.
 
 #ifndef APPS_REPRODUCE_REPORT_H_
@@ -33,9 +33,10 @@ std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,
 
 // By their names, CASE being a case's:
 //
-//   overview                what has changed most in each case, and E over λ
-//   distance_over_lambda    E over λ, a panel for each case (the paper's Fig.
-//   4) step_responses_CASE     of the first run (Figs. 5 and 6)
+//   overview                the step response that has changed most in each
+//                           case, and E over λ
+//   distance_over_lambda    E over λ, a panel for each case (paper's Fig. 4)
+//   step_responses_CASE     of the first run (Figs. 5 and 6)
 //   impulse_responses_CASE  of the first run (Fig. 7)
 //   closed_loop_CASE        set-point changes of the first run, by the model in
 //                           the controller

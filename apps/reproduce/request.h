@@ -1,4 +1,4 @@
-// What mle_reproduce is asked to do.
+// The request to mle_reproduce, as its flags give it.
 
 #ifndef APPS_REPRODUCE_REQUEST_H_
 #define APPS_REPRODUCE_REQUEST_H_

@@ -20,8 +20,8 @@ namespace {
 using report::FormatScientific;
 using report::FormatSignificant;
 
-// What the paper reports of its two cases, from one run each.
-// Output and input counted from 0.
+// A number that the paper reports on one of its two cases, from one run each.
+// Output and input count from 0.
 struct PaperFigure {
   std::string_view case_name;
   int output;

@@ -1,4 +1,4 @@
-// What the runs of a case say together.
+// The summary of the runs of a case.
 
 #ifndef APPS_REPRODUCE_SUMMARY_H_
 #define APPS_REPRODUCE_SUMMARY_H_
@@ -23,11 +23,11 @@
 
 namespace mle::reproduce {
 
-// What mle_reproduce keeps of one run of the paper's method: one case, one
-// seed.
+// The results that mle_reproduce keeps of one run of the paper's method: one
+// case, one seed.
 
-// What a method made of the same records as the paper's, or the paper's of
-// records that an ablation changed.
+// The result of another method on the records of the paper's, or of the paper's
+// method on records that an ablation changed.
 struct MethodRun {
   std::string name;     // as --estimators, --selection or --ablations has it
   absl::Status status;  // why there is no result

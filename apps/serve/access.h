@@ -30,7 +30,7 @@ struct Access {
 // "name", "127.0.0.1:8080", "[::1]:80".
 bool IsHostAllowed(const Access& access, absl::string_view host);
 
-// What is wrong with where the request comes from, or nothing.
+// The reason why the origin of the request is refused; empty if it is allowed.
 std::string CrossSiteFault(const Access& access, const Request& request);
 
 // In a time that does not depend on where the two differ.

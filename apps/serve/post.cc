@@ -18,7 +18,7 @@ namespace {
 constexpr long kStallSeconds = 10;  // of a connection, or without a byte
 constexpr std::size_t kMostAnswer = 65'536;  // bytes of head and body
 
-// What has come of an answer.
+// The part of an answer that has come.
 struct Answer {
   std::size_t bytes = 0;
   bool has_head = false;  // a whole one
@@ -69,7 +69,7 @@ absl::Status StatusOf(CURL* curl, CURLcode code, const Answer& answer) {
   long sent = 0;
   curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
   curl_easy_getinfo(curl, CURLINFO_REQUEST_SIZE, &sent);
-  // What comes with the status is of no interest.
+  // The status alone decides: the rest of the answer need not arrive.
   if (code == CURLE_OK || (answer.has_head && status >= 200)) {
     return status >= 200 && status < 300
                ? absl::OkStatus()

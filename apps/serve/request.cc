@@ -95,7 +95,7 @@ class HeadParser {
     return true;
   }
 
-  // What is not known is left out.
+  // Other headers than these are left out.
   bool TakeHeader(const std::string& name, absl::string_view value) {
     Request& request = parsed_.request;
     const std::pair<absl::string_view, std::string*> kept[] = {

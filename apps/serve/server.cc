@@ -30,7 +30,7 @@ constexpr int kBacklog = 1024;
 constexpr absl::Duration kLastAnswers = absl::Seconds(4);
 // A head, what is known of its headers, and the head of the answer.
 constexpr std::size_t kPool = 2 * kMostHead + 4096;
-// What the system keeps of an answer that is not taken.
+// Bytes of an answer that the system buffers until the client reads them.
 constexpr int kSendBuffer = 65'536;
 
 // A request on its way.

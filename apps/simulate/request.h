@@ -1,4 +1,4 @@
-// What mle_simulate is asked to do.
+// The request that mle_simulate carries out.
 
 #ifndef APPS_SIMULATE_REQUEST_H_
 #define APPS_SIMULATE_REQUEST_H_

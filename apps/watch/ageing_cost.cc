@@ -27,14 +27,15 @@ constexpr int kDaysAhead[] = {0, 30, 90, 180, 365};
 // Factors of a gain or time constant beyond which no trend is carried on.
 constexpr double kLeastFactor = 0.4;
 constexpr double kMostFactor = 2.5;
-// Of a tuning that is what runs: the error at rest that it is expected to leave
-// over that of the reference, or the reverse.
+// A tuning is not the one in operation where the mean squared error between
+// changes that it is expected to leave differs from that of the reference by
+// more than this factor.
 constexpr double kOtherTuning = 2.0;
 constexpr int kMostLags = 1000;
 constexpr double kNoCorrelation = 1e-4;
 constexpr double kRoundingOfPeriods = 1e-6;
 
-// Of an output that is known to have changed.
+// The change of an output that is known to have changed.
 struct KnownChange {
   int output = 0;
   int input = 0;
@@ -203,7 +204,7 @@ bool IsForeseen(const std::vector<KnownChange>& known, int days) {
       });
 }
 
-// What is known of the outputs' changes.
+// The outputs that are known to have changed, and those that may have.
 struct Changes {
   std::vector<KnownChange> known;
   std::vector<int> doubtful;  // outputs

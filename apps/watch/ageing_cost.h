@@ -1,7 +1,7 @@
-// What the ageing of a controller's model costs, how that grows, and from when
+// The cost of the ageing of a controller's model, how it grows, and from when
 // on an update pays.
 //
-// Of each output that is known to have aged, the plant is the model with its
+// For each output that is known to have aged, the plant is the model with its
 // most probable change δ (ageing_course.h). The cost of ageing is that of
 // operation (control/expected_operation.h) under the controller with the model
 // as it is, less that with the corrected one, both with the tuning given:
@@ -47,9 +47,10 @@ struct AgeingCost {
   };
   State state = State::kNotAsked;
   std::string reason = {};  // whole sentences
-  // Of kCannotTell: the list of controllers is wrong.
+  // Whether kCannotTell is due to an error in the list of controllers.
   bool wrong_list = false;
-  // Of kTold: now, and later as far as that can be seen, a year at most.
+  // The cost now, and later as far as it can be predicted, a year at most;
+  // filled in for kTold alone.
   std::vector<CostPoint> points = {};
   std::vector<int> not_counted = {};  // outputs that may have changed, too
   double update = 0.0;                // U, money

@@ -3,10 +3,10 @@
 // Each channel gets each alarm once. That it is being handed on is in the state
 // before, that it has arrived after it: once the program or sendmail has ended
 // with exit code 0, or the address has answered with a status of 200 to 299.
-// What has not arrived is tried again by the next run. If this program was
-// killed in between, or no answer came, the alarm is handed on once more, with
-// the same id and "repeated": true: whether it arrived the receiver knows by
-// the id.
+// An alarm that has not arrived is tried again by the next run. If this program
+// was killed in between, or no answer came, the alarm is handed on once more,
+// with the same id and "repeated": true: whether it arrived the receiver knows
+// by the id.
 //
 // The program gets the id as its argument and on its standard input what the
 // web address gets as the body of a POST:

@@ -1,4 +1,4 @@
-// What a change of a parameter is called, and how its size is written.
+// The names of parameters that change, and how the size of a change is written.
 
 #ifndef APPS_WATCH_CHANGE_TEXT_H_
 #define APPS_WATCH_CHANGE_TEXT_H_

@@ -31,12 +31,13 @@ struct Bytes {
 using Value =
     std::variant<std::monostate, std::int64_t, double, std::string, Bytes>;
 
-// Of a result; columns count from 0.
+// One row of a result; columns count from 0.
 class Row {
  public:
   explicit Row(std::vector<Value> values) : values_(std::move(values)) {}
 
-  // What is null, or of another type, is 0 or empty.
+  // A value that is null or of another type reads as 0 or empty; a whole number
+  // reads as a Number(), too.
   std::int64_t Integer(std::size_t column) const;
   double Number(std::size_t column) const;
   std::string Text(std::size_t column) const;  // bytes, too

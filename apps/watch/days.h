@@ -19,7 +19,7 @@ std::vector<int> ClosedDays(const DatedRecords& data);
 // missing is NaN. Without samples the record is empty.
 WatchBatch DayOf(const DatedRecords& data, int day, int lead);
 
-// Of all samples; 16 bytes.
+// The first 16 bytes of the SHA-256 of all samples.
 std::string ChecksumOf(const WatchBatch& batch);
 
 // "2024-02-29".

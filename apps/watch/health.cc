@@ -43,8 +43,8 @@ Status StatusOf(const Watch& watch) {
   return doubtful ? Status::kCannotTell : Status::kHealthy;
 }
 
-// What all days say now; the alarm tells what its day did, when little was
-// known.
+// The change that the evidence of all days shows now, where it shows one; else
+// the alarm's text, which was written with the evidence up to its day.
 std::string AgedSentence(const Report& report) {
   const Alarm& alarm = LastAlarm(*report.watch);
   const auto output = static_cast<std::size_t>(alarm.output);

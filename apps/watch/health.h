@@ -1,5 +1,5 @@
-// What a watch says of its controller: the health of the model, of its outputs
-// and of its elements, each from 0 to 1 (HealthOf() in
+// The report of a watch on its controller: the health of the model, of its
+// outputs and of its elements, each from 0 to 1 (HealthOf() in
 // mle/monitor/change_evidence.h): the probability that nothing has changed. An
 // alarm is raised where it falls to one half.
 

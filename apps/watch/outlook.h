@@ -1,6 +1,7 @@
-// What a watch says of the months to come, computed from its state: the course
-// of each output's ageing (ageing_course.h in mle/monitor), and the change of a
-// set point that would tell most where evidence is short (next_change.h).
+// The outlook of a watch on the months to come, computed from its state: the
+// course of each output's ageing (ageing_course.h in mle/monitor), and the
+// change of a set point that would tell most where evidence is short
+// (next_change.h).
 
 #ifndef APPS_WATCH_OUTLOOK_H_
 #define APPS_WATCH_OUTLOOK_H_
@@ -18,8 +19,9 @@
 
 namespace mle::watch {
 
-// Of an output. All values of the course are relative changes of a gain or of a
-// time constant, or changes of a dead time in the model's time unit.
+// The course of one output's ageing. All its values are relative changes of a
+// gain or of a time constant, or changes of a dead time in the model's time
+// unit.
 struct OutputTrend {
   AgeingCourse course;
   int input = 0;  // of the most probable element
@@ -54,7 +56,8 @@ std::string ChangedText(const ProcessModel& model, int output,
 // Whole sentences: the trend, or why none can be told.
 std::string TrendText(const ProcessModel& model, int output,
                       const OutputTrend& trend);
-// What to do, what for, and what it is expected to give; or why nothing.
+// Sentences that propose a change of a set point, with its purpose and the
+// evidence expected of it; or say why none is proposed.
 std::string NextChangeText(const ProcessModel& model,
                            const ProposedChange& proposed);
 

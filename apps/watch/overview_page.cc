@@ -40,7 +40,7 @@ std::string AlarmsText(const Report& report) {
                       TimeText(last->acknowledged->at));
 }
 
-// Of the output with the least health, if it can be told.
+// The trend of the output with the least health, in a few words.
 std::string ShortTrend(const Report& report) {
   const std::vector<OutputTrend>& trends = report.outlook.trends;
   if (trends.empty()) return "–";

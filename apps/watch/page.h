@@ -15,7 +15,7 @@ namespace mle::watch {
 
 // Words that the pages of the watch share.
 
-// What a health value means.
+// The explanation of health values.
 extern const char* const kMeaning;
 
 std::string LastDayOf(const Report& report);

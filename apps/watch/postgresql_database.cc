@@ -27,12 +27,12 @@
 namespace mle::watch {
 namespace {
 
-// Of pg_type: bytea, bigint, integer, double precision.
+// Type numbers of pg_type: bytea, bigint, integer, double precision.
 constexpr Oid kBytes = 17;
 constexpr Oid kWhole8 = 20;
 constexpr Oid kWhole4 = 23;
 constexpr Oid kNumber = 701;
-// Keys of advisory locks: of all that has to do with this state.
+// Keys of the advisory locks on the tables of the state and on runs.
 constexpr char kTablesLock[] = "mle_watch migration";
 constexpr char kRunLock[] = "mle_watch run";
 
@@ -53,7 +53,9 @@ absl::Status PostgresqlError(PGconn* connection, const PGresult* result) {
       absl::StrSplit(text == nullptr ? PQerrorMessage(connection) : text, '\n');
   const std::string message = absl::StrCat(
       "state: PostgreSQL: ", absl::StripAsciiWhitespace(lines.front()));
-  // What the server did not say itself is of the connection.
+  // Without an SQLSTATE of the server the connection has failed; 08, 57P and
+  // 55P03 are a lost connection, a server that stops or starts, and a lock that
+  // is not available.
   if (code.empty() || code.starts_with("08") || code.starts_with("57P") ||
       code == "55P03") {
     return absl::UnavailableError(message);
@@ -164,7 +166,8 @@ class PostgresqlDatabase : public Database {
   const char* Begin() const override { return "BEGIN"; }
   absl::StatusOr<std::int64_t> Version() override;
   absl::Status SetVersion(int version) override;
-  // Of the whole server: also other writers are taken for news.
+  // The transaction number is that of the whole server: all writes to it count
+  // as changes.
   const char* Revision() const override {
     return "SELECT txid_snapshot_xmax(txid_current_snapshot())";
   }

@@ -42,7 +42,7 @@ Json DeliveriesOf(const Alarm& alarm) {
 Json AlarmsOf(const Report& report) {
   Json alarms = Json::array();
   for (const Alarm& alarm : report.watch->alarms) {
-    // Of a model that cannot be read any more nothing has a name.
+    // A model that cannot be read any more has no names of outputs.
     if (alarm.output >= report.model.num_outputs()) continue;
     alarms.push_back({{"id", alarm.id},
                       {"day", NameOfDay(alarm.day)},
@@ -128,7 +128,7 @@ Json NextChangeOf(const Report& report) {
   return json;
 }
 
-// What JSON has no number for is null.
+// An infinite upper end becomes null: JSON has no number for it.
 Json MoneyOf(const CourseEstimate& cost) {
   Json json = EstimateOf(cost);
   if (!std::isfinite(cost.high)) json["high"] = nullptr;
@@ -177,7 +177,7 @@ Json ProposalsOf(const Report& report) {
   return proposals;
 }
 
-// What lists and single answers have in common.
+// The fields that lists and single answers share.
 Json SummaryOf(const Report& report) {
   Json summary = {{"name", report.name},
                   {"status", std::string(NameOf(report.status))},

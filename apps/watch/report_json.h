@@ -1,5 +1,5 @@
-// What the watch says, for programs: watch.json, and the answers of the server
-// (docs/watch.md).
+// The results of the watch for programs: watch.json, and the answers of the
+// server (docs/watch.md).
 
 #ifndef APPS_WATCH_REPORT_JSON_H_
 #define APPS_WATCH_REPORT_JSON_H_
@@ -20,7 +20,7 @@ std::string FormatControllers(const std::vector<Report>& reports);
 std::string FormatController(const Report& report);
 // The health of its outputs at the ends of the days from one to another.
 std::string FormatHistory(const Report& report, int from, int to);
-// Of all controllers; only those not acknowledged, or all.
+// The alarms of all controllers: only those not acknowledged, or all.
 std::string FormatAlarms(const std::vector<Report>& reports, bool only_open);
 
 }  // namespace mle::watch

@@ -1,4 +1,4 @@
-// What mle_watch is asked to do.
+// The request to mle_watch, as its flags give it.
 
 #ifndef APPS_WATCH_REQUEST_H_
 #define APPS_WATCH_REQUEST_H_

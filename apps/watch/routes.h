@@ -1,4 +1,4 @@
-// What the server of the watch answers (docs/watch.md):
+// The routes of the watch's server (docs/watch.md):
 //
 //   GET  /, /alarms.html, /controller-ID.html    the pages
 //   GET  /proposals/ID/DAY/FILE                  of corrections

@@ -124,7 +124,7 @@ Outcome Runner::Run(const Controller& controller) {
   Outcome outcome;
   outcome.status = Update(controller, outcome);
   if (outcome.status.ok()) return outcome;
-  // What was there before stays, with word of what went wrong.
+  // The watch stays as it was, with a sentence on the failure.
   absl::StatusOr<Watch> before = Load(controller, outcome.model);
   if (!before.ok()) {
     outcome.watch = EmptyWatch(controller.name, outcome.model.num_outputs());
@@ -151,8 +151,8 @@ absl::Status WritePages(const Request& request,
   return WriteFilesTogether(request.out, files);
 }
 
-// Of the state's folder, unless that is locked with the pages'; a database has
-// locks of its own.
+// Locks the state's folder, unless it is the folder of the pages, which has its
+// lock already; a database has locks of its own.
 absl::StatusOr<std::optional<FolderLock>> LockState(const Request& request) {
   if (IsDatabase(request.state)) return std::nullopt;
   fs::path folder = fs::path(request.state).parent_path();
@@ -179,8 +179,8 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
   ParallelFor(count, request.threads,
               [&](int i) { outcomes[i] = runner.Run(request.controllers[i]); });
   RunSummary summary{.controllers = count};
-  // Of a state that is shared the run over all controllers hands on alarms, or
-  // two parts would.
+  // With a shared state only the run over all controllers hands on alarms, so
+  // that no two parts hand on the same one.
   std::vector<std::string> not_taken;
   if (request.part.is_everything() || !IsDatabase(request.state)) {
     MLE_ASSIGN_OR_RETURN(not_taken, HandOnAlarms(request.alarms, state));

@@ -17,8 +17,8 @@ namespace mle::watch {
 struct RunSummary {
   int controllers = 0;
   int aged = 0;
-  // What could not be done, in words: of a controller that could not be looked
-  // at, of an alarm that was not taken.
+  // Sentences on all failures: a controller that could not be looked at, a
+  // wrong list of controllers, an alarm that was not accepted.
   std::vector<std::string> failures = {};
 };
 
@@ -27,12 +27,12 @@ struct RunSummary {
 // the state and the folder. Unavailable where another run is at work.
 absl::StatusOr<RunSummary> RunWatches(const Request& request);
 
-// What --serve asks for: serves until SIGINT, SIGTERM or SIGHUP; then answers
-// what was asked and returns. Errors are of the state, the list of controllers,
-// the token and the address.
+// Does what --serve asks for: serves until SIGINT, SIGTERM or SIGHUP; then
+// answers the requests that have come and returns. Errors are about the state,
+// the list of controllers, the token and the address.
 absl::Status ServeSite(const Request& request);
 
-// What --acknowledge asks for; says on standard output what was done.
+// Does what --acknowledge asks for; says on standard output what was done.
 absl::Status AcknowledgeAlarm(const Request& request);
 
 }  // namespace mle::watch

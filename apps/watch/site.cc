@@ -38,7 +38,7 @@ Snapshot::Text Shared(std::string text) {
   return std::make_shared<const std::string>(std::move(text));
 }
 
-// What only a controller's own page needs.
+// Drops what only a controller's own page needs.
 void Trim(Entry& entry) {
   entry.watch.files.clear();
   entry.watch.days.clear();
@@ -246,7 +246,7 @@ absl::StatusOr<Snapshot::Text> Site::Read(const Entry& entry, Detail detail) {
                                         options_.can_acknowledge)
                  : FormatController(read->report));
   const std::lock_guard<std::mutex> lock(mutex_);
-  // What was read before a change is not kept after it.
+  // A text that was read before a change is not kept after it.
   if (snapshot_ != current) return text;
   kept_.push_front({key, text});
   kept_bytes_ += text->size();

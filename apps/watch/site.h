@@ -1,9 +1,10 @@
-// What a server shows of the state of all watches.
+// The pages and answers that a server makes from the state of all watches.
 //
-// What the overview needs is kept in memory, and read anew once the state or
-// the list of controllers has changed, outlooks and costs computed for those
-// controllers alone that have changed themselves; a controller's own page and
-// history are read when asked for, and kept until then, the last ones of them.
+// The data of the overview are kept in memory and read anew once the state or
+// the list of controllers has changed; outlooks and costs are computed only for
+// the controllers that have changed themselves. A controller's own page and
+// history are read when they are asked for; the pages asked for last are kept
+// until the next change.
 
 #ifndef APPS_WATCH_SITE_H_
 #define APPS_WATCH_SITE_H_
@@ -73,7 +74,8 @@ class Site {
   absl::Status Refresh(const std::function<bool()>& stop);
 
   enum class Detail { kPage, kJson };
-  // Of one controller, by the index in the snapshot.
+  // The page or the JSON of one controller, read from the state unless it is
+  // kept.
   absl::StatusOr<Snapshot::Text> Read(const Entry& entry, Detail detail);
   // The health of its outputs, day by day, from one day to another (since
   // 1970).
@@ -108,7 +110,7 @@ class Site {
   State state_;
   std::uint64_t readings_ = 0;
 
-  // Of the refreshing thread.
+  // Used by the refreshing thread alone.
   std::optional<std::int64_t> revision_;
   std::filesystem::file_time_type list_changed_ = {};
   absl::Time next_refresh_ = absl::InfinitePast();

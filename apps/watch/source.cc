@@ -117,7 +117,8 @@ class NewFiles {
  private:
   absl::Status List();
   absl::Status Import();
-  // What was read before and acts on what is new, or fills its days up.
+  // Adds the records of known files that act on the new ones, or complete their
+  // days.
   absl::Status AddAround();
 
   const Controller& controller_;

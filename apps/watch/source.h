@@ -5,9 +5,9 @@
 // days that they have rows of are looked at again, with the files that hold the
 // time before. A file that cannot be read is left out, and said so.
 //
-// Of a database the rows since the last day that was looked at are read, with
-// some days before it for samples that came late or were corrected
-// (Controller::overlap_days), and the time that acts on these.
+// The rows of a database after the last day that was looked at are read, and
+// those of the last Controller::overlap_days days up to it, for samples that
+// came late or were corrected, with the rows before that act on these.
 
 #ifndef APPS_WATCH_SOURCE_H_
 #define APPS_WATCH_SOURCE_H_
@@ -38,7 +38,7 @@ struct DatedRecords {
     return records.empty() ? 0.0
                            : records.front().sample_time * seconds_per_unit;
   }
-  // Of sample k of a record.
+  // Seconds since 1970 at sample k of a record.
   double TimeOf(const Record& record, int k) const {
     return record.start_time + k * sample_seconds();
   }
@@ -66,11 +66,11 @@ absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,
 absl::StatusOr<std::map<std::string, SeenFile>> ListFiles(
     const std::string& folder);
 
-// What is new since `watch`, with the records before it that act on it (three
-// settling times of the model, and the rest of the day) and after it; nothing
-// where nothing is new. Everything counts as new while the watch has no
-// reference. Records without dates, a model whose unit of time is not known,
-// and a database that cannot be reached are errors.
+// The records that are new since `watch`, with the records before them that act
+// on them (three settling times of the model, and the rest of the day) and
+// after them; nothing where nothing is new. Everything counts as new while the
+// watch has no reference. Records without dates, a model whose unit of time is
+// not known, and a database that cannot be reached are errors.
 absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,
                                                   const ProcessModel& model,
                                                   const Watch& watch);

@@ -160,11 +160,12 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqliteState(
         opened == nullptr ? "out of memory" : sqlite3_errmsg(opened)));
   }
   sqlite3_busy_timeout(opened, kBusyMilliseconds);
-  // What a damaged or an exchanged file says of itself is not trusted.
+  // The schema of a damaged or replaced file is not trusted.
   MLE_RETURN_IF_ERROR(database->Execute(
       "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON"));
   MLE_RETURN_IF_ERROR(database->CheckOwner());
-  // Of a new file: rows of scores leave less of larger pages empty.
+  // The page size is that of a new file: rows of scores leave less of larger
+  // pages empty.
   MLE_RETURN_IF_ERROR(
       database->Execute("PRAGMA page_size = 8192; PRAGMA journal_mode = WAL; "
                         "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON"));

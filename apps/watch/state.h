@@ -1,5 +1,5 @@
-// What the watch remembers of its controllers, in one SQLite file or in
-// PostgreSQL.
+// The state of the watch: all that it remembers of its controllers, in one
+// SQLite file or in PostgreSQL.
 //
 //   watch     a controller from a day on, with one model and one set of options
 //   file      files of records that were read, as they were
@@ -42,7 +42,8 @@ inline constexpr int kStateVersion = 6;
 struct SeenFile {
   std::int64_t bytes = 0;
   std::int64_t changed = 0;  // ns since 1970, as the file system says
-  // Of its rows, s since 1970; nothing where it could not be read.
+  // Times of its first and last row, s since 1970; 0 where the file could not
+  // be read.
   double first = 0.0;
   double last = 0.0;
   std::string fault = {};
@@ -58,7 +59,8 @@ struct SeenDay {
   bool operator==(const SeenDay&) const = default;
 };
 
-// Of an output. Numbers are days since the watch's first.
+// The score of one output from a day, or from several that were merged, and the
+// evidence after it. Numbers are days since the watch's first.
 struct StoredBatch {
   ScoredBatch batch;
   ChangeEvidence evidence;  // after it
@@ -126,7 +128,8 @@ struct Watch {
   std::int64_t id = 0;  // 0: not in the state
   std::string controller;
   std::string basis;  // SHA-256 of model and options
-  // Of all that follows, as it was saved; empty of what is not in the state.
+  // SHA-256 of all that the evidence rests on, as it was saved; empty for a
+  // watch that is not in the state.
   std::string checksum;
   // Days since 1970. Days before `begin` belong to an earlier watch; `first` is
   // the first with records, once the reference is made.
@@ -148,7 +151,7 @@ struct Watch {
   }
 };
 
-// Of a controller that nothing is known of.
+// The watch of a controller of which nothing is known yet.
 Watch EmptyWatch(const std::string& controller, int outputs);
 
 class State {
@@ -181,8 +184,7 @@ class State {
   // first made: AlreadyExists says by whom and when.
   absl::Status Acknowledge(const std::string& alarm,
                            const Acknowledgement& acknowledgement);
-  // Of the state as other connections leave it: another number once one of
-  // them has written.
+  // A number that changes once another connection has written to the state.
   absl::StatusOr<std::int64_t> Revision();
 
  private:
@@ -192,7 +194,7 @@ class State {
   absl::Status MakeTables();
   // With all outputs that there are.
   absl::StatusOr<Watch> Read(const std::string& controller);
-  // What belongs to the watch with that id.
+  // Reads the files, days, scores and proposals of the watch with that id.
   absl::Status ReadRows(Watch& watch);
   absl::Status LoadAlarms(Watch& watch);
   absl::Status SaveWatch(Watch& watch);
@@ -200,7 +202,7 @@ class State {
   absl::Status SaveDays(const Watch& now, const Watch& before);
   absl::Status SaveScores(const Watch& now, const Watch& before);
   absl::Status SaveAlarms(const Watch& now);
-  // Of what the tables have now.
+  // Saves the checksum of what the tables hold now.
   absl::Status SaveChecksum(const Watch& now);
   // A statement that gives no rows.
   absl::Status Write(const std::string& statement,

@@ -137,7 +137,7 @@ absl::StatusOr<std::vector<PendingAlarm>> State::Undelivered(Channel channel) {
            static_cast<std::int64_t>(Delivery::State::kSent)}));
   std::vector<PendingAlarm> alarms;
   for (const Row& row : rows) {
-    // What is null reads as 0 and empty.
+    // A null reads as 0 or empty.
     alarms.push_back(
         {.controller = row.Text(0),
          .alarm = {.id = row.Text(1),
@@ -184,7 +184,8 @@ absl::StatusOr<std::string> State::FindAlarm(const std::string& beginning) {
 
 absl::Status State::Acknowledge(const std::string& alarm,
                                 const Acknowledgement& acknowledgement) {
-  // Of two that come at once the second finds it acknowledged.
+  // The second of two acknowledgements at the same time changes no row: the
+  // first has set `who`.
   MLE_ASSIGN_OR_RETURN(
       const Rows changed,
       database_->Run("UPDATE alarm SET who = ?, at = ?, note = ? WHERE id = ? "

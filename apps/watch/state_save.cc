@@ -108,7 +108,7 @@ absl::Status State::SaveScores(const Watch& now, const Watch& before) {
   return absl::OkStatus();
 }
 
-// What is known of alarms stays.
+// Alarms that are in the state already stay as they are.
 absl::Status State::SaveAlarms(const Watch& now) {
   for (const Alarm& alarm : now.alarms) {
     MLE_RETURN_IF_ERROR(

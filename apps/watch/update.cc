@@ -105,7 +105,7 @@ absl::Status Update::ScoreDay(const ModelWatch& model, const WatchBatch& batch,
 
 absl::Status Update::ScoreDays(const ModelWatch& model,
                                const NewRecords& news) {
-  // What acts on a day may lie in the days before it.
+  // Samples up to this many seconds before a day act on it.
   const double acts = model.lead() * news.data.sample_seconds();
   const int settled = watch_.last_day() - kLatest;
   for (const int day : ClosedDays(news.data)) {

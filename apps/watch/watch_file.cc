@@ -138,7 +138,7 @@ absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
         "price_violation and allowed_error belong together: the price of a "
         "unit for an hour, and the error beyond which it is due");
   }
-  // What is not named costs nothing.
+  // A price that is not given is 0.
   for (Eigen::VectorXd* price : {&prices.squared_error, &prices.absolute_error,
                                  &prices.violation, &prices.movement}) {
     if (price->size() == 0) *price = Eigen::VectorXd::Zero(1);

@@ -19,10 +19,11 @@
 
 namespace mle::watch {
 
-// Of a year, leap years included.
+// Hours in a mean year, leap years included.
 inline constexpr double kHoursOfYear = 8766.0;
 
-// What operation costs, and what an update does.
+// The prices of operation and of an update, and the time that an update is
+// expected to serve.
 struct Valuation {
   control::Prices prices;
   // p, or one value for all, each ≥ 0: |y − r| beyond which the price of
@@ -40,8 +41,8 @@ struct Controller {
   std::string records;       // folder of exports (CSV), or a database
   DatabaseOptions database;  // query, or table and columns
   std::string begin;         // date of the first record; empty: all
-  // Of a database: days before the last that was looked at that are read again,
-  // for samples that come late or are corrected.
+  // For a database: how many of the last days looked at are read again, for
+  // samples that come late or are corrected.
   int overlap_days = 2;
   std::string tag_file;      // or empty
   std::string time_zone;     // of dates without one; empty: UTC

@@ -36,7 +36,8 @@ namespace {
 
 namespace py = pybind11;
 
-// What of the command is given in another way, or has no meaning here.
+// The command's options that Python gives in another way, or that have no
+// meaning here.
 const std::vector<std::string>& NotCorrectKeywords() {
   static const std::vector<std::string>& names = *new std::vector<std::string>{
       "model",        "data",    "out",  "truth",  "dry_run",
@@ -256,7 +257,8 @@ py::dict ModelFilesOf(const Correction& correction) {
   return files;
 }
 
-// Of a model given as step responses or a state space, as such; else None.
+// The corrected model in the form that was given, if that was step responses or
+// a state space; else None.
 py::object CorrectedAsGiven(const Correction& correction) {
   const correct::Result& result = correction.result;
   const ModelFile& given = result.request.model_file;

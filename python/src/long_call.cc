@@ -24,7 +24,7 @@ struct Call {
   std::atomic<bool> stop = false;
   std::mutex mutex;
   std::condition_variable changed;
-  // What follows by the mutex.
+  // The members below are guarded by the mutex.
   std::deque<RunProgress> reports;
   bool done = false;
   absl::Status status;
@@ -41,7 +41,8 @@ LeftBehind& Threads() {
   return left;
 }
 
-// What was reported up to now; waits for it, without the interpreter's lock.
+// Waits for reports, at most kPoll and without the interpreter's lock, and
+// takes those made up to now.
 std::deque<RunProgress> NextReports(Call& call, bool& done) {
   const py::gil_scoped_release release;
   std::unique_lock<std::mutex> lock(call.mutex);

@@ -1,5 +1,6 @@
-// What functions take as a model: mle.ProcessModel, mle.StepResponseModel,
-// mle.StateSpaceModel, or the path of a file that holds one.
+// The models that functions take as arguments: mle.ProcessModel,
+// mle.StepResponseModel, mle.StateSpaceModel, or the path of a file that holds
+// one.
 
 #ifndef PYTHON_SRC_MODELS_H_
 #define PYTHON_SRC_MODELS_H_
@@ -12,8 +13,8 @@
 
 namespace mle::python {
 
-// Of str, bytes or os.PathLike, as Python's own functions take it; raises what
-// these raise.
+// The path in a str, bytes or os.PathLike, as Python's own functions take it;
+// raises what these raise.
 std::string PathOf(const pybind11::handle& argument);
 
 struct ModelArgument {

@@ -19,7 +19,7 @@ namespace {
 
 namespace py = pybind11;
 
-// Of text alone: bytes need not be UTF-8.
+// Names are str alone: bytes need not be UTF-8.
 using Names = std::optional<std::vector<py::str>>;
 
 // Those given, or numbers behind `prefix`.

@@ -46,7 +46,8 @@ Value ValueOrThrow(absl::StatusOr<Value> value) {
 // "order" for each "--order" in a text.
 std::string WithoutDashes(const std::string& text);
 
-// What is not UTF-8, as the bytes of a file may be, becomes U+FFFD.
+// The text as a Python str. Bytes that are not UTF-8, as those of a file may
+// be, become U+FFFD.
 pybind11::str TextOf(const std::string& text);
 
 // Has pybind11 turn StatusError into exceptions of the package, and what is of

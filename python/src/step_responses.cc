@@ -83,7 +83,8 @@ std::string JsonOf(const ModelFile& file) {
   return FormatStepResponseJson(file.step_responses);
 }
 
-// What describes a corrected model is not what would be fitted to it.
+// The transfer functions are kept, too: those that describe a corrected model
+// are not those that a fit to its step responses would give.
 ModelFile UnpickledFile(const py::tuple& state) {
   ModelFile file;
   file.form = ModelForm::kStepResponses;
