@@ -47,7 +47,7 @@ double RangeOf(const SampleRow& row) {
   return high >= low ? high - low : 0.0;
 }
 
-// Runs of equal good samples.
+// Runs of equal good samples; of a constant row one, whatever its gaps.
 std::vector<SampleRun> EqualRuns(const SampleRow& row, int record) {
   std::vector<SampleRun> runs;
   for (Eigen::Index k = 0; k < row.size(); ++k) {
@@ -60,6 +60,15 @@ std::vector<SampleRun> EqualRuns(const SampleRow& row, int record) {
     } else {
       runs.push_back({record, at, 1});
     }
+  }
+  const bool is_constant =
+      std::all_of(runs.begin(), runs.end(), [&](const SampleRun& run) {
+        return row(run.first) == row(runs.front().first);
+      });
+  if (is_constant && runs.size() > 1) {
+    runs.front().samples =
+        runs.back().first + runs.back().samples - runs.front().first;
+    runs.resize(1);
   }
   return runs;
 }
@@ -92,7 +101,7 @@ Usual UsualOf(const std::vector<Record>& records,
     lengths.push_back(run.samples);
     usual.good += run.samples;
   }
-  // A constant output without bad samples has one run in each record.
+  // A constant output has one run in each record.
   usual.moves = runs.size() > records.size();
   if (usual.moves) usual.run = MedianInPlace(lengths);
   return usual;

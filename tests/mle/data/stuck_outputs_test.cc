@@ -1,6 +1,7 @@
 #include "mle/data/stuck_outputs.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -35,9 +36,16 @@ TEST(StuckOutputsTest, FindsADeadSensorWhereMovesComeLate) {
   const auto rest = static_cast<Eigen::Index>(0.7 * record.samples());
   record.inputs.leftCols(rest).colwise() =
       Eigen::VectorXd(record.inputs.col(0));
-  const std::vector<StuckOutput> stuck = FindStuck(record);
-  ASSERT_EQ(stuck.size(), 1u);
-  EXPECT_EQ(stuck[0].kind, StuckOutput::Kind::kDead);
+  for (const bool has_gaps : {false, true}) {
+    if (has_gaps) {
+      for (Eigen::Index k = 100; k < record.samples(); k += 100) {
+        record.outputs(1, k) = std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+    const std::vector<StuckOutput> stuck = FindStuck(record);
+    ASSERT_EQ(stuck.size(), 1u) << has_gaps;
+    EXPECT_EQ(stuck[0].kind, StuckOutput::Kind::kDead);
+  }
 }
 
 TEST(StuckOutputsTest, FindsAClippedSensor) {
