@@ -185,8 +185,7 @@ TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
       2u);
   EXPECT_THAT(Content(scratch_ / "out/report.html"),
               HasSubstr("Saving a year against never updating"));
-  if (!report::HasBrowser())
-    GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   // Costs, and two over the years.
   ExpectReadable(scratch_ / "out/report.html", "lifecycle", 3,
                  {.badge = "update"});

@@ -211,8 +211,7 @@ TEST_F(MleStudyTest, TheElasticNetGoesFromTheLassoOn) {
 
 // Two methods, and more cells than a table shows before its fold is opened.
 TEST_F(MleStudyTest, ThePageIsReadable) {
-  if (!report::HasBrowser())
-    GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   nlohmann::json campaign = SmallCampaign(2);
   campaign["mismatches"][0]["sizes"] = {0.25, 0.5, 1};
   campaign["noise_variances"] = {1e-4, 1e-3, 1e-2};

@@ -42,7 +42,7 @@ std::string SevenBySeven(double factor) {
 }
 
 TEST(ReportPageTest, OfAPlantWithSevenOutputs) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const ScratchFolder scratch;
   const std::string model = scratch.Write("model.json", SevenBySeven(1.0));
   const std::string plant = scratch.Write("plant.json", SevenBySeven(0.6));
@@ -72,7 +72,7 @@ TEST(ReportPageTest, OfAPlantWithSevenOutputs) {
 }
 
 TEST(ReportPageTest, OfRecordsThatCannotTell) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const HeaterExample heater(WithHalvedGain(), {"--setpoints=y1:60:1"});
   heater.Run(
       {"--figures=true", "--estimator=arx", "--conversion_samples=20000"}, 1);
@@ -88,7 +88,7 @@ TEST(ReportPageTest, OfRecordsThatCannotTell) {
 }
 
 TEST(ReportPageTest, OfACorrection) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const ScratchFolder scratch;
   Heater aged;
   aged.first.gain = 1.0;
@@ -108,7 +108,7 @@ TEST(ReportPageTest, OfACorrection) {
 }
 #else
 TEST(ReportPageTest, OfAReproduction) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const ScratchFolder scratch;
   const report::ProcessResult run =
       RunTested(SmallRun(scratch / "out", {"--figures=true", "--cases=gain"}));

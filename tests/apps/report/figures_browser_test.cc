@@ -88,7 +88,7 @@ std::string Page(bool has_dates) {
 class FiguresBrowserTest : public ::testing::TestWithParam<Mode> {};
 
 TEST_P(FiguresBrowserTest, CanBeReadAndAsksForNothing) {
-  if (!HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const Mode mode = GetParam();
   const bool has_dates = mode == Mode::kDark;
   const std::vector<int> widths = {375, 1024, 1920};

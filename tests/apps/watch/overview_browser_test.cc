@@ -65,8 +65,7 @@ class Site1000 {
 class OverviewBrowserTest : public ::testing::TestWithParam<Mode> {};
 
 TEST_P(OverviewBrowserTest, AThousandRowsAreSortedAndFiltered) {
-  if (!report::HasBrowser())
-    GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const Site1000 site;
   for (const report::BrowserVisit& visit :
        report::VisitPage(FormatOverview(site.reports()), {390, 1440},
@@ -104,8 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, OverviewBrowserTest,
                          });
 
 TEST(ServedPagesBrowserTest, TheirScriptsAreThoseThatThePolicyAllows) {
-  if (!report::HasBrowser())
-    GTEST_SKIP() << "chromium-headless-shell is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "no browser is installed";
   const WatchedSite files;
   auto site = Site::Open({.list = files.List(),
                           .state = files.StatePath(),
