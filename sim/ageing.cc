@@ -85,7 +85,7 @@ absl::Status AgeingSchedule::Validate(const ProcessModel& model) const {
     const absl::Status status =
         seen.insert({ageing.output, ageing.input}).second
             ? CheckElement(model.element(ageing.output, ageing.input), ageing)
-            : absl::InvalidArgumentError("stands twice, must stand once");
+            : absl::InvalidArgumentError("is duplicated, must be given once");
     if (!status.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(
           "ageing of element (", model.outputs()[ageing.output].name, ", ",

@@ -292,7 +292,7 @@ absl::Status ReadChannels(const JsonNode& top, const std::string& key,
                                      QuotedJson(name), " among its ", key));
     }
     if (!seen.insert(channel).second) {
-      return node.Fault(absl::StrCat(QuotedJson(name), " stands twice"));
+      return node.Fault(absl::StrCat(QuotedJson(name), " is duplicated"));
     }
     MLE_RETURN_IF_ERROR(read(node, channel));
   }

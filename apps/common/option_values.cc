@@ -105,7 +105,7 @@ TextValue OneOfNames(std::string text, const std::vector<ChoiceText>& choices,
       return absl::OkStatus();
     }
     return absl::InvalidArgumentError(absl::StrCat(
-        DidYouMean(given, names), "known are ", Enumerated(names)));
+        DidYouMean(given, names), "choose from ", Enumerated(names)));
   };
   return value;
 }

@@ -61,7 +61,7 @@ absl::Status SetTimeFormat(const std::string& text, ClockOptions& clock) {
   }
   if (text.find('%') == std::string::npos) {
     return absl::InvalidArgumentError(
-        absl::StrCat("known are ", absl::StrJoin(names, ", "),
+        absl::StrCat("choose from ", absl::StrJoin(names, ", "),
                      ", and a form such as '%d.%m.%Y %H:%M'"));
   }
   MLE_RETURN_IF_ERROR(TimePattern::Create(text).status());

@@ -177,7 +177,7 @@ absl::Status ParseAblations(const JsonNode& node, Campaign& campaign) {
       for (const Ablation& one : Ablations()) {
         absl::StrAppend(&known, ", ", one.name);
       }
-      return Unknown(element, absl::StrCat("known are ", known));
+      return Unknown(element, absl::StrCat("choose from ", known));
     }
     campaign.ablations.push_back(ablation);
   }

@@ -82,11 +82,12 @@ absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
                      "between 0 and 1 is needed: on_demand:0.7");
   }
   return WrongPart(
-      part, absl::StrCat(
-                DidYouMean(kind, {"never", "perfect", "output_error",
-                                  "combined", "arx", "test", "on_demand"}),
-                "known are never, perfect, output_error:N, combined:N, arx:N, "
-                "test:MONTHS and on_demand:THRESHOLD"));
+      part,
+      absl::StrCat(
+          DidYouMean(kind, {"never", "perfect", "output_error", "combined",
+                            "arx", "test", "on_demand"}),
+          "choose from never, perfect, output_error:N, combined:N, arx:N, "
+          "test:MONTHS and on_demand:THRESHOLD"));
 }
 
 }  // namespace

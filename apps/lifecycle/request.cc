@@ -259,9 +259,10 @@ absl::Status Complete(Request& request, OptionTable& table) {
   const std::string& unit = campaign.model.time_unit();
   const std::optional<double> seconds = SecondsPerUnit(unit);
   if (!seconds.has_value()) {
-    return AboutOption("model", absl::InvalidArgumentError(absl::StrCat(
-                                    "the time unit '", unit,
-                                    "' is not known; known are s, min, h, d")));
+    return AboutOption(
+        "model", absl::InvalidArgumentError(
+                     absl::StrCat("the time unit '", unit,
+                                  "' is not known; choose from s, min, h, d")));
   }
   request.hours_per_unit = *seconds / 3600.0;
   MLE_RETURN_IF_ERROR(table.FitTo(campaign.model));

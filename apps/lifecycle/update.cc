@@ -133,7 +133,7 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name) {
   }
   return absl::InvalidArgumentError(absl::StrCat(
       "there is no outcome '", std::string(name),
-      "'; known are none, no change, updated, refused and reverted"));
+      "'; choose from none, no change, updated, refused and reverted"));
 }
 
 CorrectOptions UpdateOptions::SimulatedRecords() {

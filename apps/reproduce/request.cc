@@ -130,7 +130,7 @@ absl::Status ReadAblations(const Request& request,
     if (found) continue;
     return absl::InvalidArgumentError(absl::StrCat(
         "--ablations: there is no ablation '", name, "'; ",
-        DidYouMean(name, known), "known are ", absl::StrJoin(known, ", ")));
+        DidYouMean(name, known), "choose from ", absl::StrJoin(known, ", ")));
   }
   const std::set<const Ablation*> different(ablations.begin(), ablations.end());
   if (different.size() == ablations.size()) return absl::OkStatus();
@@ -241,7 +241,7 @@ absl::StatusOr<std::vector<Mismatch>> BuiltInCases(const Request& request) {
       return absl::InvalidArgumentError(absl::StrCat(
           "--cases: there is no case '", name, "'; ",
           DidYouMean(name, {"gain", "delay"}),
-          "known are gain and delay, others run with --model and --plants"));
+          "choose from gain and delay, others run with --model and --plants"));
     }
     MLE_ASSIGN_OR_RETURN(ProcessModel plant,
                          ParseProcessModel(found->json, found->source));

@@ -42,7 +42,7 @@ absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
     if (found == names.end()) {
       return Wrong(flag,
                    absl::StrCat("'", part, "': there is no '", name, "'; ",
-                                DidYouMean(name, names), "known are ",
+                                DidYouMean(name, names), "choose from ",
                                 absl::StrJoin(names, ", ")));
     }
     NamedStep step{static_cast<int>(found - names.begin())};

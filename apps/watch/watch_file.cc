@@ -246,7 +246,7 @@ absl::StatusOr<std::vector<Controller>> ParseWatchFile(
                          ParseController(node, path, folder));
     if (!names.insert(controller.name).second) {
       return node.Fault(absl::StrCat("the name ", QuotedJson(controller.name),
-                                     " stands twice; names must differ"));
+                                     " is duplicated; names must differ"));
     }
     controllers.push_back(std::move(controller));
   }

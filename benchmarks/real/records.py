@@ -66,7 +66,7 @@ def check_declaration(place, plant):
         raise Wrong(f"{place}: an object is wanted")
     for key, value in plant.items():
         if key not in KEYS:
-            raise Wrong(f"{place}: unknown key \"{key}\"; known are {', '.join(KEYS)}")
+            raise Wrong(f"{place}: unknown key \"{key}\"; choose from {', '.join(KEYS)}")
         if not isinstance(value, KEYS[key]) or isinstance(value, bool) != (KEYS[key] is bool):
             raise Wrong(f"{place}: {key} is {json.dumps(value)}")
     for key in ("records", "models"):

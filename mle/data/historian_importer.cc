@@ -164,7 +164,7 @@ absl::Status HistorianImporter::OrderError(const HistorianProbe& probe,
   const TimeNames times = import_.report.Times(channels_.time_unit());
   const std::string message = absl::StrCat(
       rows.TimePlace(), ": time ", times.Short(time), " ",
-      is_repeated ? "stands twice"
+      is_repeated ? "is duplicated"
                   : absl::StrCat("follows ", times.Short(last_time_)),
       "; times must increase");
   const std::optional<double> seconds = SecondsPerUnit(channels_.time_unit());

@@ -172,7 +172,7 @@ void Matching::Match(const std::vector<std::string_view>& header) {
     if (!seen.insert(name).second &&
         !(name.empty() && options_.ignore_other_columns)) {
       repeated_.push_back(absl::StrCat("column ", c + 1, ": ",
-                                       QuotedCsvText(name), " stands twice"));
+                                       QuotedCsvText(name), " is duplicated"));
       continue;
     }
     const auto found = wanted_.find(name);

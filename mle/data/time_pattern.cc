@@ -262,7 +262,7 @@ absl::Status TimePattern::Compile(std::string_view pattern, std::size_t& at,
       if (next == '\0' || name == std::string_view::npos) {
         return fault(absl::StrCat(
             "has '%", std::string(next == '\0' ? 0 : 1, next),
-            "'; known are %Y %y %m %b %d %H %I %M %S %p %z, and [ ] around "
+            "'; choose from %Y %y %m %b %d %H %I %M %S %p %z, and [ ] around "
             "what may be missing"));
       }
       add(kFields[name], next);
@@ -290,9 +290,10 @@ absl::StatusOr<TimePattern> TimePattern::Create(std::string_view pattern) {
       : !has(Field::kHour)                             ? "hour (%H)"
                                                        : nullptr;
   if (missing == nullptr) return result;
-  return absl::InvalidArgumentError(absl::StrCat(
-      "the form of time '", result.text_, "' has no ", missing,
-      "; known are %Y %y %m %b %d %H %I %M %S %p %z, such as %d.%m.%Y %H:%M"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("the form of time '", result.text_, "' has no ", missing,
+                   "; choose from %Y %y %m %b %d %H %I %M %S %p %z, such as "
+                   "%d.%m.%Y %H:%M"));
 }
 
 }  // namespace mle

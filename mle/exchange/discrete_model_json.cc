@@ -40,8 +40,8 @@ absl::Status ReadElement(const JsonNode& node, DiscreteModel& model) {
     if (other.output != element.output || other.input != element.input) {
       continue;
     }
-    return node.Fault(absl::StrCat("the pair ", name,
-                                   " stands twice; each pair may stand once"));
+    return node.Fault(
+        absl::StrCat("the pair ", name, " is duplicated; give each pair once"));
   }
   MLE_ASSIGN_OR_RETURN(element.numerator, node.At("numerator").Numbers());
   MLE_ASSIGN_OR_RETURN(element.denominator, node.At("denominator").Numbers());

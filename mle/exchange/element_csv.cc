@@ -72,7 +72,8 @@ absl::Status TableReader::ReadHeader() {
     if (!column.has_value()) {
       return table_.Fault(
           table_.header, static_cast<int>(c),
-          absl::StrCat("'", shown, "' is not a column of the table; known are ",
+          absl::StrCat("'", shown,
+                       "' is not a column of the table; choose from ",
                        KnownColumns()));
     }
     if (columns_[*column] >= 0) {
@@ -158,10 +159,9 @@ absl::Status TableReader::ReadRow(const TableLine& line) {
     if (other.output != row.output || other.input != row.input) continue;
     return table_.Fault(
         line.line,
-        absl::StrCat("the pair ",
-                     PairName(result_.channels, row.output, row.input),
-                     " stands in line ", lines_[r],
-                     " already; each pair may stand once"));
+        absl::StrCat(
+            "the pair ", PairName(result_.channels, row.output, row.input),
+            " stands in line ", lines_[r], " already; give each pair once"));
   }
   MLE_ASSIGN_OR_RETURN(row.gain, Number(line, kGainColumn, std::nullopt));
   MLE_ASSIGN_OR_RETURN(row.integrating, Integrates(line));

@@ -49,7 +49,7 @@ struct ElementTable {
 };
 
 // Errors name `source`, line and column: rows that are too long, fields that
-// are not numbers, channels that are not known, pairs that stand twice,
+// are not numbers, channels that are not known, duplicated pairs,
 // elements that are not stable and proper.
 absl::StatusOr<ElementTable> ParseElementTable(std::string_view csv,
                                                std::string_view source);

@@ -44,7 +44,7 @@ class ModelTableReader {
 
   ModelTable& table_;
   std::map<std::string, int> names_;  // of channels, and the line of each
-  std::map<std::string, int> keys_;   // that may stand once, likewise
+  std::map<std::string, int> keys_;   // that may be given once, likewise
 };
 
 // Names are written into JSON, which is UTF-8.

@@ -34,7 +34,7 @@ absl::Status StepResponseModel::Validate() const {
     if (!known || !seen.insert({pair.output, pair.input}).second) {
       return absl::InvalidArgumentError(absl::StrCat(
           "output ", pair.output, ", input ", pair.input,
-          known ? ": the pair stands twice" : ": there is no such channel"));
+          known ? ": the pair is duplicated" : ": there is no such channel"));
     }
     if (pair.coefficients.size() != length() ||
         !(pair.coefficients.cwiseAbs().maxCoeff() <= kLargestCoefficient)) {

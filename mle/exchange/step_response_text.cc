@@ -41,7 +41,7 @@ absl::Status ReadPair(const JsonNode& node, StepResponseModel& model) {
     if (other.output != pair.output || other.input != pair.input) continue;
     return node.Fault(absl::StrCat(
         "the pair ", PairName(model.channels, pair.output, pair.input),
-        " stands twice; each pair may stand once"));
+        " is duplicated; give each pair once"));
   }
   MLE_ASSIGN_OR_RETURN(pair.is_ramp, ReadIsRamp(node));
   MLE_ASSIGN_OR_RETURN(const std::vector<double> numbers,
@@ -142,7 +142,7 @@ absl::Status ReadPairColumns(const ModelTable& table, const Labels& labels,
           table.header, column,
           absl::StrCat("the pair '", ShowCsvText(table.header.fields[c]),
                        "' stands in column ", before + 2,
-                       " already; each pair may stand once"));
+                       " already; give each pair once"));
     }
     model.pairs.push_back({pair.first, pair.second, {}, false});
   }

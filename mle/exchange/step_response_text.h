@@ -13,7 +13,7 @@
 namespace mle {
 
 // JSON. `source` (a file's name) opens every message; unknown, missing or
-// repeated keys, wrong types, unknown channels, pairs that stand twice and
+// repeated keys, wrong types, unknown channels, duplicated pairs and
 // coefficients of unequal numbers are errors that name the key.
 absl::StatusOr<StepResponseModel> ParseStepResponseJson(
     std::string_view json, std::string_view source);

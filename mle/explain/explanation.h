@@ -32,7 +32,7 @@ enum class ExplanationKind {
   // Effects at an input; v is the input from where it began, w its range.
   kCurvedInput,  // v + θ v²/max |v|
   kRateLimit,    // moves by w e^{−θ}/τ a time unit at most
-  kBacklash,     // follows only behind a backlash θ w
+  kBacklash,     // follows only beyond a gap θ w
   kSaturation,   // the highest (θ > 0) or lowest |θ| w are not reached
   kInputClock,   // every L of the input + θ τ/2; of several outputs together
 };

@@ -23,7 +23,7 @@ absl::StatusOr<Named> Find(const std::vector<Named>& all, const char* what,
                     std::string(NameOf(one)));
   }
   return absl::InvalidArgumentError(absl::StrCat(
-      "there is no ", what, " '", std::string(name), "'; known are ", known));
+      "there is no ", what, " '", std::string(name), "'; choose from ", known));
 }
 
 }  // namespace

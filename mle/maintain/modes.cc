@@ -55,7 +55,7 @@ const std::map<std::string, double>& ModeWords() {
 }
 
 constexpr std::string_view kKnown =
-    "known are MAN, AUTO, CAS, RCAS, ROUT, IMAN, LO, ON, OFF, SHED, STANDBY, "
+    "choose from MAN, AUTO, CAS, RCAS, ROUT, IMAN, LO, ON, OFF, SHED, STANDBY, "
     "TRK, OOS, INIT, 1 and 0";
 
 struct Place {

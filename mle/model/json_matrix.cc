@@ -22,7 +22,7 @@ absl::Status CheckNames(const std::vector<std::string>& names, int wanted,
     if (!seen.insert(name).second) {
       return absl::InvalidArgumentError(
           absl::StrCat("the name ", QuotedJson(name),
-                       " stands twice; each channel needs its own"));
+                       " is duplicated; each channel needs its own"));
     }
   }
   return absl::OkStatus();

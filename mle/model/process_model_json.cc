@@ -97,7 +97,7 @@ absl::Status ParseElements(const JsonNode& top, ProcessModel& model) {
       return node.Fault(absl::StrCat(
           "the element of output ", QuotedJson(model.outputs()[output].name),
           ", input ", QuotedJson(model.inputs()[input].name),
-          " stands twice; each pair may stand once"));
+          " is duplicated; give each pair once"));
     }
     MLE_ASSIGN_OR_RETURN(model.element(output, input), ParseDynamics(node));
   }

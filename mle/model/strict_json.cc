@@ -54,7 +54,7 @@ class Checker : public nlohmann::json_sax<nlohmann::json> {
         absl::StrAppend(&place, levels_[i].Step(place.empty()));
       }
       fault_ = absl::StrCat(place, place.empty() ? "" : ": ", "key \"", name,
-                            "\" stands twice; a key may stand once");
+                            "\" is duplicated; give each key once");
       return false;
     }
     level.last_key = name;

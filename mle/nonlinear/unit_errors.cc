@@ -8,8 +8,8 @@
 namespace mle {
 namespace {
 
-// For columns of length one: eigenvalues of JᵀJ below the first are without
-// effect, and parts of a direction below the second are none.
+// Eigenvalues of JᵀJ, its columns of length one, below the first count as zero,
+// and so do parts of a direction below the second.
 constexpr double kNoEffect = 1e-14;
 constexpr double kNoPart = 1e-12;
 

@@ -66,13 +66,13 @@ TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--data=,"}, {"--data"});
   ExpectRefused({"--data=" + data_ + "," + data_}, {"--data", "twice"});
   ExpectRefused({"--estimator=best"},
-                {"--estimator=best", "known are output_error"});
+                {"--estimator=best", "choose from output_error"});
   ExpectRefused({"--solver=best"},
-                {"--solver=best", "known are homotopy, coordinate_descent"});
+                {"--solver=best", "choose from homotopy, coordinate_descent"});
   ExpectRefused({"--robust=best"},
-                {"--robust=best", "known are none, huber and cauchy"});
+                {"--robust=best", "choose from none, huber and cauchy"});
   ExpectRefused({"--estimator=arx", "--selection=best"},
-                {"--selection=best", "known are blocks"});
+                {"--selection=best", "choose from blocks"});
   ExpectRefused({"--false_alarm_probability=0"},
                 {"--false_alarm_probability=0", "in (0, 1)"});
   ExpectRefused({"--confidence=95"}, {"--confidence=95", "in (0, 1)"});

@@ -208,7 +208,7 @@ std::vector<Mistake> Mistakes() {
       {"a column twice",
        {Rows({"0"}, "time,y1,y1,u1,u2\n")},
        {},
-       "column 3: 'y1' stands twice"},
+       "column 3: 'y1' is duplicated"},
       {"a channel that the model does not have",
        {minutes},
        {"--tags=TI101=y7"},

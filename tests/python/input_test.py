@@ -105,7 +105,7 @@ def test_index_that_does_not_increase(loop, frame):
     assert caught.value.options == ("skip_backward_times",)
     with refused("follows"):
         mle.correct(loop[0], frame.iloc[::-1])
-    with refused("row 3: time 2024-03-04 06:01 stands twice"):
+    with refused("row 3: time 2024-03-04 06:01 is duplicated"):
         mle.correct(loop[0], frame.iloc[[0, 1, 1, *range(2, len(frame))]])
     with refused("a time is missing"):
         index = frame.index.to_series()
@@ -183,7 +183,7 @@ def test_frames_of_other_layouts(loop, frame):
 def test_options(loop, frame):
     with pytest.raises(TypeError, match="keyword argument 'estimatr'; did you mean 'estimator'"):
         mle.correct(loop[0], frame, estimatr="arx")
-    with refused("^estimator=other: known are"):
+    with refused("^estimator=other: choose from"):
         mle.correct(loop[0], frame, estimator="other")
     with refused("^confidence=2: it must be"):
         mle.correct(loop[0], frame, confidence=2)

@@ -359,7 +359,7 @@ TEST(AgeingTest, SchedulesAreChecked) {
               HasSubstr("delay grows by 2 per unit of time"));
   EXPECT_THAT(
       std::string(AgeingSchedule{{{}, {}}}.Validate(MixedModel()).message()),
-      HasSubstr("stands twice"));
+      HasSubstr("is duplicated"));
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TEST(EffectsJsonTest, MistakesAreNamed) {
   EXPECT_THAT(message(R"({"outputs": [{"name": "u1"}]})"),
               HasSubstr("no channel \"u1\" among its outputs"));
   EXPECT_THAT(message(R"({"inputs": [{"name": "u1"}, {"name": "u1"}]})"),
-              HasSubstr("inputs[1]: \"u1\" stands twice"));
+              HasSubstr("inputs[1]: \"u1\" is duplicated"));
   EXPECT_THAT(output(R"("arma": {"poles": [1.2], "variance": 1})"),
               HasSubstr("outputs[0].arma: the pole 1.2"));
   EXPECT_THAT(output(R"("arma": {"poles": [[1]], "variance": 1})"),

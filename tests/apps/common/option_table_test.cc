@@ -140,7 +140,7 @@ TEST_F(OptionTableTest, RefusalsNameOptionValueAndWhatIsRight) {
   ExpectRefused("--order=0", "whole number ≥ 1");
   ExpectRefused("--level=1", "in (0, 1)");
   ExpectRefused("--level=nan", "finite number in (0, 1)");
-  ExpectRefused("--rule=third", "known are first and second");
+  ExpectRefused("--rule=third", "choose from first and second");
   ExpectRefused("--rule=secnod", "did you mean 'second'?");
   ExpectRefused("--times=1,x", "'x' is not a number");
   ExpectRefused("--limit=few", "'few' is not a number");

@@ -130,7 +130,8 @@ TEST(PolicyTest, MistakesAreNamed) {
   const auto message = [](const char* text) {
     return std::string(ParsePolicies(text).status().message());
   };
-  EXPECT_THAT(message("never,yearly"), HasSubstr("'yearly': known are never"));
+  EXPECT_THAT(message("never,yearly"),
+              HasSubstr("'yearly': choose from never"));
   EXPECT_THAT(message("output_error:0"), HasSubstr("'output_error:0'"));
   EXPECT_THAT(message("output_error:1.5"), HasSubstr("whole number"));
   EXPECT_THAT(message("output_error,output_error:1"),

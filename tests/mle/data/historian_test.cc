@@ -182,7 +182,7 @@ TEST(HistorianTest, ShortGapsAreBridgedAndLongOnesSplit) {
 TEST(HistorianTest, TimesThatDoNotIncreaseAreErrorsWithTheirLine) {
   const std::string twice = "time,level,steam\n0,1,2\n1,1,2\n1,1,2\n2,1,2\n";
   EXPECT_THAT(Error(twice),
-              HasSubstr("line 4, column 1 ('time'): time 1 stands twice"));
+              HasSubstr("line 4, column 1 ('time'): time 1 is duplicated"));
   HistorianOptions options;
   options.skip_repeated_times = true;
   EXPECT_EQ(ImportOk(twice, options).report.repeated_rows, 1);

@@ -153,9 +153,9 @@ void AddHeaders(std::vector<Hostile>& files) {
     files.push_back(
         {"header " + header.substr(0, 30), header + "\n" + rows, message});
   };
-  add("time,level,level,steam,inflow", "column 3: 'level' stands twice");
-  add("time,level, level ,steam,inflow", "column 3: 'level' stands twice");
-  add("time,time,temperature,steam,inflow", "column 2: 'time' stands twice");
+  add("time,level,level,steam,inflow", "column 3: 'level' is duplicated");
+  add("time,level, level ,steam,inflow", "column 3: 'level' is duplicated");
+  add("time,time,temperature,steam,inflow", "column 2: 'time' is duplicated");
   add("time,levle,temperature,steam,inflow", "there is no column 'level'");
   add("Tiem,level,temperature,steam,inflow", "there is no column 'time'");
   add("Time,TIME,level,temperature,steam,inflow", "there is no column 'time'");
@@ -176,7 +176,7 @@ void AddHeaders(std::vector<Hostile>& files) {
   add(wide, "line 1, column 10001: there are more than 10000 columns");
   add(std::string(200000, ','), "line 1, column 10001: there are more");
   add("time,level,temperature,steam,inflow,level_quality,level_quality",
-      "column 7: 'level_quality' stands twice");
+      "column 7: 'level_quality' is duplicated");
 
   for (const std::string text :
        {"", "\n", "\r\n\r\n", "\xEF\xBB\xBF", "\n\n\n\n"}) {

@@ -175,7 +175,7 @@ TEST(HeaderTest, AllFaultsAreListedAtOnce) {
           .message());
   EXPECT_THAT(
       message,
-      AllOf(HasSubstr("a.csv: line 1, column 3: 'levle' stands twice"),
+      AllOf(HasSubstr("a.csv: line 1, column 3: 'levle' is duplicated"),
             HasSubstr("there is no column 'level' (nearest: 'levle'"),
             HasSubstr("'steam' (nearest: 'steam.OP')"),
             HasSubstr("'time' (nearest: 'Time_stamp')"),

@@ -173,7 +173,7 @@ TEST(DiscreteModel, SaysWhatIsWrong) {
           {{"0.5,\n", "0.5,\n  \"variable\": \"q\",\n"}, {"variable", "\"q\""}},
           {{"\"level\", \"input\": \"feed\"",
             "\"temperature\", \"input\": \"steam\""},
-           {"stands twice"}},
+           {"is duplicated"}},
           {{"0.5,\n", "-0.5,\n"}, {"sample_time"}},
           {{"[1, -0.9]", "[1, -0.999999]"}, {"slowest mode", "sample time"}},
       };

@@ -196,7 +196,7 @@ TEST(StepResponseModel, SaysWhatIsWrongInJson) {
        {{{"\"input\": \"inflow\"", "\"input\": \"outflow\""}},
         {"step_responses[1].input", "outflow", "inflow"}},
        {{{"\"input\": \"inflow\"", "\"input\": \"steam\""}},
-        {"step_responses[1]", "stands twice"}},
+        {"step_responses[1]", "is duplicated"}},
        {{{"\"ramp\"", "\"slope\""}}, {"step_responses[1].end", "slope"}},
        {{{"\"interval\": 2,",
           "\"interval\": 2, \"time_to_steady_state\": 30,"}},

@@ -97,10 +97,10 @@ TEST(ModesTest, WhatIsNoModeIsRefused) {
   };
   EXPECT_THAT(error("Unsinn", ""),
               AllOf(HasSubstr("a.csv: line 3, column 4 ('FC7.MODE'): 'Unsinn' "
-                              "is not a mode (mode_tag); known are MAN"),
+                              "is not a mode (mode_tag); choose from MAN"),
                     HasSubstr("RCAS")));
   EXPECT_THAT(error("16", ""),
-              HasSubstr("mode_tag = FC7.MODE: 16 is not a mode; known are"));
+              HasSubstr("mode_tag = FC7.MODE: 16 is not a mode; choose from"));
   EXPECT_THAT(error("CAS", "stem"),
               HasSubstr("'stem' is not an input or output of the model"));
 }

@@ -89,7 +89,7 @@ TEST(ArxModelJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
   EXPECT_THAT(MessageWith("[\"level\"]", "[3]"),
               HasSubstr("outputs[0]: must be a string, is the number 3"));
   EXPECT_THAT(MessageWith("\"inflow\"", "\"level\""),
-              HasSubstr("the name \"level\" stands twice"));
+              HasSubstr("the name \"level\" is duplicated"));
   EXPECT_THAT(MessageWith("\"inflow\"", "\"\""),
               HasSubstr("an input has an empty name"));
   EXPECT_THAT(MessageWith("[\"level\"]", "\"level\""),

@@ -179,10 +179,10 @@ TEST(ParseProcessModelTest, MissingKeysAreNamed) {
 
 TEST(ParseProcessModelTest, RepeatedKeysAreNamedWithTheirPlace) {
   EXPECT_THAT(MessageWith("\"delay\": 8.1", "\"delay\": 8.1, \"delay\": 8.2"),
-              HasSubstr("elements[1]: key \"delay\" stands twice"));
+              HasSubstr("elements[1]: key \"delay\" is duplicated"));
   EXPECT_THAT(MessageWith("\"name\": \"column\"",
                           "\"name\": \"column\", \"name\": \"column\""),
-              HasSubstr("plant.json: key \"name\" stands twice"));
+              HasSubstr("plant.json: key \"name\" is duplicated"));
 }
 
 TEST(ParseProcessModelTest, EitherFormWhole) {
@@ -238,7 +238,7 @@ TEST(ParseProcessModelTest, ChannelsMustBeKnownAndDistinct) {
               AllOf(HasSubstr("elements[1].input: \"fede\" is unknown"),
                     HasSubstr("\"reflux\", \"feed\"")));
   EXPECT_THAT(MessageWith("\"input\": \"feed\"", "\"input\": \"reflux\""),
-              AllOf(HasSubstr("elements[1]"), HasSubstr("stands twice")));
+              AllOf(HasSubstr("elements[1]"), HasSubstr("is duplicated")));
   EXPECT_THAT(MessageWith("{\"name\": \"feed\"", "{\"name\": \"overhead\""),
               HasSubstr("is used already"));
   EXPECT_THAT(MessageWith("{\"name\": \"feed\"", "{\"name\": \"\""),

@@ -275,7 +275,7 @@ TEST(StateSpaceJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
               HasSubstr("largest_differences must hold"));
   EXPECT_THAT(MessageWith("[0.9,", "[1.5,"), HasSubstr("unstable"));
   EXPECT_THAT(MessageWith("\"heat\"", "\"level\""),
-              HasSubstr("the name \"level\" stands twice"));
+              HasSubstr("the name \"level\" is duplicated"));
   EXPECT_THAT(MessageWith("0.5", "-0.5"), HasSubstr("must be positive"));
 }
 
