@@ -194,7 +194,7 @@ bool JoinedRows::NextRow() {
         status_ = absl::InvalidArgumentError(
             absl::StrCat(rows_->Place(static_cast<int>(row_.size())),
                          ": the row ends after ", row_.size(),
-                         " fields, before its ", found.last() + 1, "th"));
+                         " fields, it needs ", found.last() + 1));
         return false;
       }
       time_ = std::string(TrimCsvField(row_[found.time]));

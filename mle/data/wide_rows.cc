@@ -66,10 +66,10 @@ class WideRows::Samples {
   std::string_view Part(const Entry& entry, int from, int size) const {
     return std::string_view(text_).substr(entry.begin + from, size);
   }
-  absl::Status AddRow(const RowSource& rows, std::size_t begin,
-                      std::size_t end);
-  // By tag: the first of its samples in a row, or null.
-  std::vector<const Entry*> CellsOf(std::int64_t row) const;
+  // `cells` is memory, by tag.
+  absl::Status AddRow(const RowSource& rows, std::size_t begin, std::size_t end,
+                      std::vector<const Entry*>& cells);
+  int width() const { return columns_.quality >= 0 ? 2 : 1; }  // of a tag
   int NumberOf(std::string_view tag, const std::set<std::string>& wanted);
   bool IsHeader(const std::vector<std::string_view>& fields) const;
 
@@ -172,7 +172,7 @@ absl::Status WideRows::Samples::Read(RowSource& rows,
     if (fields.size() <= least) {
       return absl::InvalidArgumentError(absl::StrCat(
           rows.Place(static_cast<int>(fields.size())), ": the row ends after ",
-          fields.size(), " fields, before its ", least + 1, "th"));
+          fields.size(), " fields, it needs ", least + 1));
     }
     if (IsHeader(fields)) {
       ++counts_.comment_rows;
@@ -228,8 +228,9 @@ void WideRows::Samples::RepeatRows(std::size_t begin, std::size_t end) {
 }
 
 absl::Status WideRows::Samples::AddRow(const RowSource& rows, std::size_t begin,
-                                       std::size_t end) {
-  std::vector<const Entry*> cells(tags_.size());
+                                       std::size_t end,
+                                       std::vector<const Entry*>& cells) {
+  cells.assign(tags_.size(), nullptr);
   for (std::size_t e = begin; e < end; ++e) {
     const Entry& entry = entries_[e];
     const Entry*& cell = cells[entry.tag];
@@ -273,6 +274,7 @@ absl::Status WideRows::Samples::Arrange(const RowSource& rows) {
   std::stable_sort(
       entries_.begin(), entries_.end(),
       [](const Entry& a, const Entry& b) { return a.time < b.time; });
+  std::vector<const Entry*> cells;
   for (std::size_t begin = 0; begin < entries_.size();) {
     const std::size_t end = RowEnd(begin);
     if (options_.spread_repeated_times) RepeatRows(begin, end);
@@ -282,7 +284,7 @@ absl::Status WideRows::Samples::Arrange(const RowSource& rows) {
                           entries_[to].repeat == entries_[from].repeat)) {
         ++to;
       }
-      MLE_RETURN_IF_ERROR(AddRow(rows, from, to));
+      MLE_RETURN_IF_ERROR(AddRow(rows, from, to, cells));
       from = to;
     }
     begin = end;
@@ -292,49 +294,40 @@ absl::Status WideRows::Samples::Arrange(const RowSource& rows) {
   return absl::OkStatus();
 }
 
-std::vector<const WideRows::Samples::Entry*> WideRows::Samples::CellsOf(
-    std::int64_t row) const {
-  std::vector<const Entry*> cells(tags_.size());
-  const auto& [begin, end] = rows_[static_cast<std::size_t>(row)];
-  for (std::size_t e = begin; e < end; ++e) {
-    const Entry*& cell = cells[entries_[e].tag];
-    if (cell == nullptr) cell = &entries_[e];
-  }
-  return cells;
-}
-
 void WideRows::Samples::GetHeader(std::vector<std::string_view>& fields) const {
   fields.assign(wide_header_.begin(), wide_header_.end());
 }
 
+// Of several samples of a tag in a row the first counts.
 void WideRows::Samples::GetRow(std::int64_t row,
                                std::vector<std::string_view>& fields) const {
-  const Entry& first = entries_[rows_[static_cast<std::size_t>(row)].first];
-  fields.assign({Part(first, 0, first.time_size)});
-  for (const Entry* const cell : CellsOf(row)) {
-    fields.push_back(cell == nullptr
-                         ? std::string_view()
-                         : Part(*cell, cell->time_size, cell->value_size));
+  const auto& [begin, end] = rows_[static_cast<std::size_t>(row)];
+  fields.assign(wide_header_.size(), std::string_view());
+  fields[0] = Part(entries_[begin], 0, entries_[begin].time_size);
+  for (std::size_t e = begin; e < end; ++e) {
+    const Entry& entry = entries_[e];
+    const auto at = static_cast<std::size_t>(1 + width() * entry.tag);
+    if (fields[at].data() != nullptr) continue;
+    fields[at] = Part(entry, entry.time_size, entry.value_size);
     if (columns_.quality < 0) continue;
-    fields.push_back(cell == nullptr
-                         ? std::string_view()
-                         : Part(*cell, cell->time_size + cell->value_size,
-                                cell->quality_size));
+    fields[at + 1] =
+        Part(entry, entry.time_size + entry.value_size, entry.quality_size);
   }
 }
 
 std::pair<int, int> WideRows::Samples::Origin(int line, int field) const {
   if (line < 2 || line - 2 >= counts_.rows) return {1, field};
-  const int width = columns_.quality >= 0 ? 2 : 1;  // of a tag
-  const Entry* entry =
-      &entries_[rows_[static_cast<std::size_t>(line - 2)].first];
-  if (field <= 1) return {entry->line, 1 + columns_.time};
-  const int tag = (field - 2) / width;
+  const auto& [begin, end] = rows_[static_cast<std::size_t>(line - 2)];
+  const int first = entries_[begin].line;
+  if (field <= 1) return {first, 1 + columns_.time};
+  const int tag = (field - 2) / width();
   if (tag >= counts_.tags) return {1, field};
-  const Entry* const cell = CellsOf(line - 2)[static_cast<std::size_t>(tag)];
-  if (cell != nullptr) entry = cell;
-  return {entry->line,
-          1 + ((field - 2) % width > 0 ? columns_.quality : columns_.value)};
+  const int column =
+      1 + ((field - 2) % width() > 0 ? columns_.quality : columns_.value);
+  for (std::size_t e = begin; e < end; ++e) {
+    if (entries_[e].tag == tag) return {entries_[e].line, column};
+  }
+  return {first, column};
 }
 
 absl::StatusOr<std::unique_ptr<WideRows>> WideRows::Read(
