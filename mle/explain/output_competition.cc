@@ -9,7 +9,6 @@
 #include "Eigen/Cholesky"
 #include "Eigen/QR"
 #include "mle/base/status.h"
-#include "mle/explain/held_out_errors.h"
 
 namespace mle {
 namespace {
@@ -410,100 +409,6 @@ std::vector<Explanation> OutputCompetition::Explanations() const {
     explanations.push_back(one.explanation);
   }
   return explanations;
-}
-
-MatrixXd OutputCompetition::CovarianceOfTheta() const {
-  const std::vector<Explanation> explanations = Explanations();
-  const auto n = static_cast<Index>(explanations.size());
-  if (n == 0) return MatrixXd(0, 0);
-  const MatrixXd placebos =
-      instruments_.ProjectPlacebos(output_.Residual(explanations));
-  const MatrixXd C =
-      placebos.transpose() * placebos / static_cast<double>(placebos.rows());
-  const MatrixXd J = Jacobian(explanations, all_);
-  MatrixXd H = J.transpose() * J;
-  H.diagonal().array() += 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
-  const MatrixXd A = H.ldlt().solve(J.transpose());
-  return A * C * A.transpose();
-}
-
-Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
-  const std::vector<Explanation> explanations = Explanations();
-  const MatrixXd covariance = CovarianceOfTheta();
-  const ElementValues aged = output_.Aged(input, explanations);
-  const ElementValues& values = output_.values(input);
-  const double lag = output_.has_lag(input) ? values.time_scale : 0.0;
-  // ∂(K, T, L)/∂θ.
-  MatrixXd by = MatrixXd::Zero(3, covariance.cols());
-  for (std::size_t i = 0; i < explanations.size(); ++i) {
-    const Explanation& one = explanations[i];
-    const auto column = static_cast<Index>(i);
-    if (one.kind == ExplanationKind::kOutputClock ||
-        (one.kind == ExplanationKind::kInputClock && one.index == input)) {
-      by(2, column) = 0.5 * output_.tau();
-    }
-    if (one.index != input) continue;
-    if (one.kind == ExplanationKind::kGain) by(0, column) = aged.gain;
-    if (one.kind == ExplanationKind::kTimeConstant) {
-      by(1, column) = aged.time_scale;
-    }
-    if (one.kind == ExplanationKind::kDeadTime) {
-      by(2, column) = std::max(lag + values.delay, output_.sample_time());
-    }
-  }
-  return by * covariance * by.transpose();
-}
-
-double OutputCompetition::Required() const {
-  return independent_ * std::expm1(options_.evidence / independent_);
-}
-
-OutputExplanation OutputCompetition::Report() const {
-  OutputExplanation report;
-  report.independent = independent_;
-  report.required = Required();
-  report.by_set_points = instruments_.by_set_points();
-  report.moves = instruments_.moves();
-  report.taken = taken_;
-  const MatrixXd covariance = CovarianceOfTheta();
-  for (std::size_t i = 0; i < taken_.size(); ++i) {
-    const auto k = static_cast<Index>(i);
-    report.taken[i].standard_error = std::sqrt(std::max(covariance(k, k), 0.0));
-  }
-  if (!next_.empty()) report.next = next_.front();
-  for (const OutputExplanation::Tie& tie : ties_) {
-    if (Contains(Explanations(), tie.taken)) report.ties.push_back(tie);
-  }
-  report.energy = initial_energy_;
-  report.remaining = energy_;
-  report.chance = chance_;
-  report.unit = unit_;
-  if (!taken_.empty()) {
-    report.held_out =
-        HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
-          return Estimate(Explanations(), weights).explanations;
-        });
-  }
-  const Index m = output_.records().front().num_inputs();
-  report.detectable.assign(static_cast<std::size_t>(m),
-                           std::numeric_limits<double>::infinity());
-  const std::vector<Explanation> explanations = Explanations();
-  for (const int j : output_.inputs()) {
-    std::vector<Explanation> with = explanations;
-    const Explanation gain = {ExplanationKind::kGain, j, 0.0};
-    std::size_t at = with.size();
-    for (std::size_t i = 0; i < with.size(); ++i) {
-      if (with[i].SameAs(gain)) at = i;
-    }
-    if (at == with.size()) with.push_back(gain);
-    const double slope =
-        Jacobian(with, all_).col(static_cast<Index>(at)).norm();
-    if (slope > 0.0) {
-      report.detectable[static_cast<std::size_t>(j)] =
-          std::sqrt(Required() * unit_) / slope;
-    }
-  }
-  return report;
 }
 
 }  // namespace mle

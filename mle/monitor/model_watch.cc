@@ -16,54 +16,12 @@
 #include "mle/model/process_simulator.h"
 #include "mle/monitor/output_scores.h"
 #include "mle/monitor/record_jump.h"
+#include "mle/monitor/reference_operation.h"
 #include "mle/monitor/row_response.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
 namespace {
-
-// How a plant runs in the reference period of a watch.
-
-// Usable samples of an output that a reference needs.
-inline constexpr int kLeastReference = 200;
-
-// p, or none where records have no set points. `rest`: the same records,
-// outputs around changes left out.
-std::vector<OutputOperation> OperationOf(const std::vector<WatchBatch>& batches,
-                                         const std::vector<Record>& rest) {
-  std::vector<OutputOperation> operation;
-  if (rest.front().set_points.size() == 0) return operation;
-  operation.resize(static_cast<std::size_t>(rest.front().num_outputs()));
-  for (const WatchBatch& batch : batches) {
-    for (const SetPointChange& change : FindSetPointChanges(batch.record)) {
-      if (change.sample < batch.first) continue;
-      OutputOperation& output = operation[change.output];
-      output.changes += 1.0;
-      output.change_size +=
-          (change.to - change.from) * (change.to - change.from);
-    }
-  }
-  for (std::size_t i = 0; i < operation.size(); ++i) {
-    OutputOperation& output = operation[i];
-    if (output.changes > 0.0) {
-      output.change_size = std::sqrt(output.change_size / output.changes);
-    }
-    output.changes /= static_cast<double>(batches.size());
-    double squares = 0.0;
-    int samples = 0;
-    for (const Record& record : rest) {
-      const auto row = static_cast<Eigen::Index>(i);
-      for (int k = 0; k < record.samples(); ++k) {
-        const double error = record.outputs(row, k) - record.set_points(row, k);
-        if (!std::isfinite(error)) continue;
-        squares += error * error;
-        ++samples;
-      }
-    }
-    if (samples >= kLeastReference) output.squared_error = squares / samples;
-  }
-  return operation;
-}
 
 using Eigen::VectorXd;
 
@@ -80,7 +38,7 @@ constexpr double kLeastDelay = 0.1;
 constexpr double kLeastInformation = 1e-3;
 // Share of the reference's samples below the usual range, and share above it.
 constexpr double kUnusual = 0.01;
-// Probability that the largest change of a batch is noise.
+// Tail of the noise beyond which a change is more than noise.
 constexpr double kMoreThanNoise = 0.01;
 // Changes agree unless their differences have a smaller p-value than this.
 constexpr double kDisagree = 0.05;

@@ -1,6 +1,5 @@
 #include "mle/maintain/correct.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -11,7 +10,6 @@
 #include "mle/data/record_csv.h"
 #include "mle/mle.h"
 #include "tests/mle/base/scratch_folder.h"
-#include "tests/mle/explain/closed_loop_records.h"
 #include "tests/mle/maintain/tank_records.h"
 
 namespace mle {
@@ -269,39 +267,6 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   EXPECT_NEAR(both->model.element(0, 1).delay(), 2.5, 0.1);
   EXPECT_NE(both->reasons.back().text.find("min longer"), std::string::npos)
       << both->reasons.back().text;
-}
-
-// The level shows that the valve has backlash, the warmth another gain: what
-// happens to a valve happens to both.
-TEST(CorrectFromRecordsTest, OutputsThatContradictEachOtherCannotTell) {
-  const ProcessModel model = TwoLoops();
-  ProcessModel plant = model;
-  plant.element(1, 0) = TransferFunction::FirstOrder(-1.4, 12.0, 4.0);
-  Record record = CloseLoops(plant, 7);
-  constexpr double kPlay = 0.15;
-  double position = 0.0;
-  double missing = 0.0;
-  const TransferFunction& element = model.element(0, 0);
-  const double kept = std::exp(-1.0 / element.TimeConstant());
-  const int delay = static_cast<int>(element.delay());
-  for (int k = delay; k < record.outputs.cols(); ++k) {
-    record.outputs(0, k) += missing;
-    const double asked = record.inputs(0, k - delay);
-    position = std::clamp(position, asked - kPlay, asked + kPlay);
-    missing = kept * missing +
-              (1.0 - kept) * element.StaticGain() * (position - asked);
-  }
-  const auto result = CorrectFromRecords(model, {record}, Fast());
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kCannotTell);
-  const Message& reason = result->reasons.back();
-  EXPECT_EQ(reason.place, "warmth");
-  EXPECT_NE(reason.text.find("gain of warmth ← valve has changed, or valve "
-                             "sticks or has backlash"),
-            std::string::npos)
-      << reason.text;
-  EXPECT_NE(reason.text.find("as level shows"), std::string::npos);
-  EXPECT_EQ(result->model.element(1, 0).StaticGain(), -0.9);
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {
