@@ -54,7 +54,7 @@ TEST(WatchFileTest, ErrorsNameThePlaceAndWhatIsRight) {
   EXPECT_THAT(ErrorOf(R"({"version": 1, "controllers": [
       {"name": "a", "model": "m", "records": "r"},
       {"name": "a", "model": "n", "records": "s"}]})"),
-              HasSubstr("twice"));
+              HasSubstr("is duplicated"));
   // Names go into pages and file names.
   EXPECT_THAT(ErrorOf(R"({"version": 1, "controllers": [
       {"name": "../../etc", "model": "m", "records": "r"}]})"),
