@@ -227,7 +227,10 @@ absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
 
 ElementValues Competition::Explained(int output, int input) const {
   const OutputCompetition& competition = *competitions_[output];
-  return competition.output().Aged(input, competition.Explanations());
+  const std::vector<Explanation> explanations = competition.Explanations();
+  ElementValues values = competition.output().Aged(input, explanations);
+  values.gain *= GainAtEnd(explanations, input);
+  return values;
 }
 
 double Competition::ClockOf(int output, int input) const {

@@ -132,7 +132,8 @@ class Competition {
   ~Competition();
 
   const std::vector<OutputExplanation>& outputs() const { return results_; }
-  // K, T and L of an element with what is explained of them.
+  // K, T and L of an element with what is explained of them, at the end of the
+  // records.
   ElementValues Explained(int output, int input) const;
   // By which a clock makes its dead time longer, in the model's time unit.
   double ClockOf(int output, int input) const;

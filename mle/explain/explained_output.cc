@@ -37,14 +37,6 @@ double Find(const std::vector<Explanation>& explanations, Kind kind, int index,
   return 0.0;
 }
 
-// s at a share of the record (Explanation::part).
-double ShareOfChange(int part, double at) {
-  if (part == 0) return at;
-  const double quarter = std::floor(4.0 * at);
-  if (part <= 4) return quarter == part - 1.0 ? 1.0 : 0.0;
-  return quarter >= part - 4.0 ? 1.0 : 0.0;
-}
-
 }  // namespace
 
 absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(

@@ -1,5 +1,8 @@
 #include "mle/explain/explanation.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "glog/logging.h"
 
 namespace mle {
@@ -176,6 +179,22 @@ const ExplanationType& TypeOf(ExplanationKind kind) {
 bool IsAgeing(ExplanationKind kind) {
   return kind == Kind::kGain || kind == Kind::kTimeConstant ||
          kind == Kind::kDeadTime;
+}
+
+double ShareOfChange(int part, double at) {
+  if (part == 0) return at;
+  const double quarter = std::min(std::floor(4.0 * at), 3.0);
+  if (part <= 4) return quarter == part - 1.0 ? 1.0 : 0.0;
+  return quarter >= part - 4.0 ? 1.0 : 0.0;
+}
+
+double GainAtEnd(const std::vector<Explanation>& explanations, int input) {
+  for (const Explanation& one : explanations) {
+    if (one.kind == Kind::kChangeDuringRecord && one.index == input) {
+      return 1.0 + one.value * ShareOfChange(one.part, 1.0);
+    }
+  }
+  return 1.0;
 }
 
 }  // namespace mle

@@ -68,6 +68,10 @@ bool IsAgeing(ExplanationKind kind);
 // of the first, second, third quarter on.
 inline constexpr int kParts = 8;
 
+// Of a change of this shape, what holds at a time (0: the first sample of the
+// records, 1: the last), from 0 to 1.
+double ShareOfChange(int part, double at);
+
 // One of them, of an element (index: its input), an input, or the output.
 struct Explanation {
   ExplanationKind kind = ExplanationKind::kGain;
@@ -79,6 +83,11 @@ struct Explanation {
     return kind == other.kind && index == other.index;
   }
 };
+
+// The factor by which the gain of an element has changed at the end of the
+// records, beside any other; 1 where it did not change during them, or only for
+// a time.
+double GainAtEnd(const std::vector<Explanation>& explanations, int input);
 
 }  // namespace mle
 

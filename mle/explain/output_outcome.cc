@@ -40,6 +40,7 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
   const ElementValues aged = output_.Aged(input, explanations);
   const ElementValues& values = output_.values(input);
   const double lag = output_.has_lag(input) ? values.time_scale : 0.0;
+  const double at_end = GainAtEnd(explanations, input);
   // ∂(K, T, L)/∂θ.
   MatrixXd by = MatrixXd::Zero(3, covariance.cols());
   for (std::size_t i = 0; i < explanations.size(); ++i) {
@@ -50,7 +51,10 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
       by(2, column) = 0.5 * output_.tau();
     }
     if (one.index != input) continue;
-    if (one.kind == ExplanationKind::kGain) by(0, column) = aged.gain;
+    if (one.kind == ExplanationKind::kGain) by(0, column) = aged.gain * at_end;
+    if (one.kind == ExplanationKind::kChangeDuringRecord) {
+      by(0, column) = aged.gain * ShareOfChange(one.part, 1.0);
+    }
     if (one.kind == ExplanationKind::kTimeConstant) {
       by(1, column) = aged.time_scale;
     }

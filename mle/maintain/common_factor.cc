@@ -20,6 +20,7 @@ constexpr double kLargeRange = 2.0;
 constexpr double kLeastGainFactor = 4.0;
 constexpr double kFactorTolerance = 0.1;
 constexpr double kTellingTolerance = 0.05;
+constexpr double kExactTolerance = 0.02;
 constexpr std::array<double, 8> kTelling = {
     1.8, 1.0 / 1.8, 60.0, 1.0 / 60.0, 100., 1.0 / 100., 1000.0, 1e-3};
 constexpr double kNearTelling = 1.3;  // for factors beyond kNotAgeing
@@ -116,7 +117,9 @@ std::optional<Suspicion> Suspect(const Common& common) {
   if (common.elements == 1) {
     if (common.factor < 0.0) return SuspectSign(common);
     if (common.error > kTellingTolerance) return std::nullopt;
-    const std::optional<double> telling = Telling(size, tolerance);
+    // A unit's factor is exact, one of ageing comes near it by chance.
+    const std::optional<double> telling =
+        Telling(size, 1.0 + kExactTolerance + 2.0 * common.error);
     if (!telling.has_value()) return std::nullopt;
     return Suspicion{*telling, true};
   }

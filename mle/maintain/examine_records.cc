@@ -101,24 +101,19 @@ void Examiner::FindCompressed() {
     if (found.kind == Compression::Kind::kNone) continue;
     found_any = true;
     const std::string& name = model_.outputs()[i].name;
-    const bool enough =
-        found.is_sampled || found.ArchivedShare() >= options_.least_archived;
-    Add(MessageCode::kCompressed, name,
-        enough ? Consequence::kRepair : Consequence::kBlocks,
+    Add(MessageCode::kCompressed, name, Consequence::kRepair,
         found.ArchivedShare(),
         absl::StrFormat(
-            "%s: %.0f %% of the samples are %s by the historian%s%s.", name,
-            100.0 * (1.0 - found.ArchivedShare()),
+            "%s: %.0f %% of the samples are %s by the historian%s, and only "
+            "the others are used.",
+            name, 100.0 * (1.0 - found.ArchivedShare()),
             found.kind == Compression::Kind::kLinear ? "interpolated" : "held",
             found.is_sampled
                 ? absl::StrFormat(": one in %.3g is measured, as by a "
                                   "laboratory or an analyser",
                                   1.0 / found.ArchivedShare())
-                : "",
-            enough ? ", and only the others are used"
-                   : ": what is left says too little. Export archived values, "
-                     "or have the tag archived with a smaller deviation"));
-    if (!options_.repair || !enough) continue;
+                : ""));
+    if (!options_.repair) continue;
     for (std::size_t r = 0; r < records_.size(); ++r) {
       for (int k = 0; k < records_[r].samples(); ++k) {
         if (found.interpolated[r][k]) records_[r].outputs(i, k) = kNaN;
@@ -128,22 +123,21 @@ void Examiner::FindCompressed() {
   FindCompressedInputs(found_any);
 }
 
-// An input that is interpolated was moved in another way than the records say;
-// but it may have been moved along ramps, if outputs are as measured.
+// Between archived values an input was moved within the historian's deviation
+// of the straight line; or it was moved along ramps, if outputs are as
+// measured.
 void Examiner::FindCompressedInputs(bool outputs_too) {
   for (int j = 0; j < model_.num_inputs(); ++j) {
     const Compression found =
         FindCompression(Rows(false, j), Holding::kByItself);
     if (found.kind == Compression::Kind::kNone) continue;
     const std::string& name = model_.inputs()[j].name;
-    Add(MessageCode::kCompressed, name,
-        outputs_too ? Consequence::kBlocks : Consequence::kNote,
+    Add(MessageCode::kCompressed, name, Consequence::kNote,
         found.ArchivedShare(),
         absl::StrFormat("%s: %.0f %% of the samples lie on straight lines: %s.",
                         name, 100.0 * (1.0 - found.ArchivedShare()),
                         outputs_too
-                            ? "the historian interpolated them, and what the "
-                              "input did is not known"
+                            ? "interpolated by the historian"
                             : "ramps, or interpolated by the historian"));
   }
 }
@@ -212,7 +206,7 @@ absl::Status Examiner::FindStuck() {
     const bool clipped = stuck.kind == StuckOutput::Kind::kClipped;
     Finding& finding =
         Add(MessageCode::kStuckOutput, name,
-            dead ? Consequence::kBlocks : Consequence::kRepair, stuck.samples(),
+            dead ? Consequence::kDoubts : Consequence::kRepair, stuck.samples(),
             absl::StrFormat(
                 "%s stands at %.6g for %d samples, %s: the sensor seems to be "
                 "%s.",
@@ -226,7 +220,12 @@ absl::Status Examiner::FindStuck() {
         records_[stuck.runs.front().record].time(stuck.runs.front().first);
     const SampleRun& last = stuck.runs.back();
     finding.to = records_[last.record].time(last.first + last.samples - 1);
-    if (dead || !options_.repair) continue;
+    // Nothing is known of its output; of the others the records tell as ever.
+    if (dead) finding.outputs = {stuck.output};
+    if (!options_.repair) continue;
+    for (Record& record : records_) {
+      if (dead) record.outputs.row(stuck.output).setConstant(kNaN);
+    }
     for (const SampleRun& run : stuck.runs) {
       records_[run.record]
           .outputs.row(stuck.output)
@@ -360,11 +359,6 @@ std::string_view NameOf(Consequence consequence) {
 }
 
 absl::Status ExamineOptions::Validate() const {
-  if (!(least_archived >= 0.0 && least_archived <= 1.0)) {
-    return OptionError("least_archived",
-                       absl::StrCat("least_archived = ", least_archived,
-                                    ": it must be in [0, 1]"));
-  }
   if (threads < 0) {
     return OptionError("threads", absl::StrCat("threads = ", threads,
                                                ": it must not be negative"));

@@ -51,10 +51,6 @@ struct ExamineOptions {
   // Whether samples are marked and replaced; if not, what could be repaired
   // stays as it is.
   bool repair = true;
-  // Share of the samples of a compressed output that must be archived for it to
-  // be used, in [0, 1].
-  double least_archived = 0.1;
-
   // Whether the samples of tags whose clocks differ are shifted by the estimate
   // (tag_clocks.h). A late tag looks like longer dead times, which may be what
   // they seem: someone has to know.

@@ -53,6 +53,14 @@ bool IsClock(ExplanationKind kind) {
          kind == ExplanationKind::kInputClock;
 }
 
+// Whether a gain that changed during the record is another one at its end, and
+// one that a model can hold.
+bool Lasts(const Explanation& explanation) {
+  return explanation.kind == ExplanationKind::kChangeDuringRecord &&
+         ShareOfChange(explanation.part, 1.0) > 0.0 &&
+         GainAtEnd({explanation}, explanation.index) > 0.0;
+}
+
 // The element with what won; nothing where it cannot be simulated.
 std::optional<TransferFunction> ExplainedElement(const CorrectionResult& result,
                                                  const Competition& competition,
@@ -107,11 +115,12 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
       }
     }
     if (BelievedDelay(result, competition, i, j) != 0.0) aged[j] = true;
-    // A gain that changed during the record is no gain to be handed over.
+    // Of a gain that changed during the record its value at the end holds; of
+    // one that changed for a time the records do not say what holds.
     for (const TakenExplanation& one : taken) {
       if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
           one.explanation.index == j) {
-        aged[j] = false;
+        aged[j] = Lasts(one.explanation);
       }
     }
     if (ContestedBy(competition, i, j).has_value()) aged[j] = false;
@@ -195,9 +204,14 @@ std::string Others(const CorrectionResult& result,
           TypeOf(explanation.kind).settled_by);
       continue;
     }
-    absl::StrAppend(&text, text.empty() ? "" : " ",
-                    Capitalised(Sentence(result.initial, i, explanation)), ". ",
-                    TypeOf(explanation.kind).settled_by);
+    absl::StrAppend(
+        &text, text.empty() ? "" : " ",
+        Capitalised(Sentence(result.initial, i, explanation)),
+        Lasts(explanation)
+            ? absl::StrFormat(" and is × %.3g at its end. ",
+                              GainAtEnd({explanation}, explanation.index))
+            : ". ",
+        TypeOf(explanation.kind).settled_by);
   }
   return text;
 }

@@ -208,13 +208,38 @@ TEST(CompetitionTest, GapsAndSeveralRecords) {
 TEST(CompetitionTest, WhatChangedBetweenRecordsIsNoGainOfBoth) {
   Happening half;
   half.samples = 800;
-  const OutputExplanation output =
-      Explained({CloseLoops(TwoLoops(), 1, half),
-                 CloseLoops(Aged(0, 0, 0.5, 1.0, 0.0), 2, half)})[0];
+  const std::vector<Record> records = {
+      CloseLoops(TwoLoops(), 1, half),
+      CloseLoops(Aged(0, 0, 0.5, 1.0, 0.0), 2, half)};
+  const Competition competition = Compete(records);
+  const OutputExplanation& output = competition.outputs()[0];
   const Codes taken = Taken(output);
   EXPECT_NE(std::find(taken.begin(), taken.end(), "change_during_record"),
             taken.end());
   EXPECT_LT(output.left(), 4.0);
+  // What holds at the end.
+  EXPECT_NEAR(competition.Explained(0, 0).gain, 1.0, 0.15);
+  const double error = std::sqrt(competition.Covariance(0, 0)(0, 0));
+  EXPECT_NEAR(competition.Explained(0, 0).gain, 1.0, 4.0 * error);
+  EXPECT_GT(error, 0.0);
+}
+
+TEST(ExplanationTest, AChangeDuringTheRecordsHoldsAtTheirEndOrIsOver) {
+  const auto at_end = [](int part) {
+    return GainAtEnd({{.kind = ExplanationKind::kChangeDuringRecord,
+                       .index = 1,
+                       .value = -0.5,
+                       .part = part}},
+                     1);
+  };
+  for (const int part : {0, 4, 5, 6, 7}) EXPECT_EQ(at_end(part), 0.5) << part;
+  for (const int part : {1, 2, 3}) EXPECT_EQ(at_end(part), 1.0) << part;
+  EXPECT_EQ(GainAtEnd({}, 1), 1.0);
+  EXPECT_EQ(ShareOfChange(0, 0.25), 0.25);
+  EXPECT_EQ(ShareOfChange(2, 0.24), 0.0);
+  EXPECT_EQ(ShareOfChange(2, 0.26), 1.0);
+  EXPECT_EQ(ShareOfChange(6, 0.49), 0.0);
+  EXPECT_EQ(ShareOfChange(6, 0.51), 1.0);
 }
 
 TEST(CompetitionTest, WithoutAnythingThatMovesThereIsNoJudge) {

@@ -47,5 +47,47 @@ TEST(ExplainedTest, OutputsThatContradictEachOtherCannotTell) {
   EXPECT_EQ(result->model.element(1, 0).StaticGain(), -0.9);
 }
 
+CorrectionResult Correct(const std::vector<Record>& records) {
+  CorrectOptions options;
+  options.make_arx = false;
+  options.threads = 1;
+  auto result = CorrectFromRecords(TwoLoops(), records, options);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return *std::move(result);
+}
+
+TEST(ExplainedTest, AGainThatChangedDuringTheRecordIsHandedOverAsItIsNow) {
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 10.0, 2.0);
+  const Record before = CloseLoops(TwoLoops(), 5, {.samples = 1000});
+  Record record = CloseLoops(plant, 5, {.samples = 2000});
+  record.outputs.leftCols(1000) = before.outputs;
+  record.inputs.leftCols(1000) = before.inputs;
+  const CorrectionResult result = Correct({record});
+  EXPECT_EQ(result.decision, Decision::kCorrected);
+  EXPECT_EQ(result.accepted_outputs[0], Acceptance::kExplained);
+  EXPECT_NEAR(result.model.element(0, 0).StaticGain(), 1.2, 0.12);
+  EXPECT_EQ(result.model.element(1, 1).StaticGain(), 1.5);
+  const std::string& reason = result.reasons.back().text;
+  EXPECT_NE(reason.find("gain of level ← valve changed during the record and "
+                        "is × 0."),
+            std::string::npos)
+      << reason;
+}
+
+TEST(ExplainedTest, ADeadSensorLeavesTheOtherOutputs) {
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 10.0, 2.0);
+  Record record = CloseLoops(plant, 5);
+  record.outputs.row(1).setConstant(0.5);
+  const CorrectionResult result = Correct({record});
+  EXPECT_EQ(result.decision, Decision::kCorrected)
+      << result.reasons.front().text;
+  EXPECT_NEAR(result.model.element(0, 0).StaticGain(), 1.2, 0.06);
+  EXPECT_EQ(result.accepted_outputs[1], Acceptance::kNothing);
+  EXPECT_EQ(result.reasons.front().code, MessageCode::kStuckOutput);
+  EXPECT_EQ(result.reasons.front().place, "warmth");
+}
+
 }  // namespace
 }  // namespace mle
