@@ -114,9 +114,6 @@ Json ValidationJson(const Result& result) {
                {"several_steps_samples", validation.horizon},
                {"outputs", ScoresJson(validation.outputs, model)}};
   if (!validation.missing.empty()) json["missing"] = validation.missing;
-  if (!validation.parametric.empty()) {
-    json["parametric"] = ScoresJson(validation.parametric, model);
-  }
   json["windows"] = Json::array();
   for (const std::vector<OutputScores>& window : validation.windows) {
     json["windows"].push_back(ScoresJson(window, model));

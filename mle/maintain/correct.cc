@@ -96,7 +96,6 @@ absl::StatusOr<std::optional<Competition>> Compete(
 }
 
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
-                              const std::vector<bool>& unexplained,
                               const Competition* competition,
                               CorrectionResult& result) {
   const CorrectOptions& options = result.options;
@@ -105,7 +104,7 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
       ValidateByHoldOut(result.estimate, windows, ChangesOf(result.data), order,
                         options.hold_out, options.in_use, options.threads,
                         options.progress));
-  const Evidence evidence = GatherEvidence(result, unexplained, competition);
+  const Evidence evidence = GatherEvidence(result, competition);
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;
   result.reasons = std::move(verdict.reasons);
@@ -124,8 +123,6 @@ absl::Status TakeAccepted(const std::vector<Record>& windows,
       TakeExplained(*competition, i, result);
     } else if (result.accepted_outputs[i] == Acceptance::kNothing) {
       KeepInitialOutput(i, result.estimate);
-    } else if (result.accepted_outputs[i] == Acceptance::kParametric) {
-      KeepParametricOutput(i, result.estimate);
     }
   }
   return MakePredictors(windows, result.estimate);
@@ -154,15 +151,10 @@ absl::Status MakeModels(int samples, CorrectionResult& result) {
   return absl::OkStatus();
 }
 
-// Examines the residuals of the model in the controller, which the decision
-// about shapes needs.
+// Examines the residuals of the model in the controller.
 absl::Status ExamineInitial(const std::vector<Record>& windows, int order,
                             CorrectionResult& result) {
-  bool needed = result.options.examine;
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    needed = needed || ProposesShape(result.estimate, i);
-  }
-  if (!needed) return absl::OkStatus();
+  if (!result.options.examine) return absl::OkStatus();
   const Stage stage(result.options.progress, "examining the residuals");
   MLE_RETURN_IF_ERROR(stage.status());
   result.max_lag = order;
@@ -329,7 +321,6 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
          {"response_horizon"}});
   }
   result.warnings = result.data.warnings;
-  const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
   MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
@@ -343,8 +334,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
                        Compete(stretches, result));
   const Competition* const judge =
       competition.has_value() ? &*competition : nullptr;
-  MLE_RETURN_IF_ERROR(
-      DecideByEvidence(windows, order, unexplained, judge, result));
+  MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, judge, result));
   MLE_RETURN_IF_ERROR(TakeAccepted(windows, judge, result));
   const Stage making(options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());

@@ -94,26 +94,6 @@ Message Doubt(const OutputEvidence& output, MessageCode code,
   return {code, output.name, std::move(text), {}};
 }
 
-Message Unexplained(const OutputEvidence& output) {
-  return Doubt(
-      output, MessageCode::kStructureDoubtful,
-      absl::StrCat("Gains, time constants and dead times have hardly changed, "
-                   "but the inputs explain a part of the residuals of ",
-                   output.name,
-                   ": another shape of a response, or a disturbance. More "
-                   "set-point changes would settle it."));
-}
-
-Message Unnamed(const OutputEvidence& output) {
-  return Doubt(
-      output, MessageCode::kStructureDoubtful,
-      absl::StrCat("The responses of ", output.name,
-                   " differ from the model, but no element accounts for it by "
-                   "itself: its inputs move together, or it was disturbed. "
-                   "Set-point changes that move the inputs one by one would "
-                   "settle it."));
-}
-
 struct OutputVerdict {
   Acceptance acceptance = Acceptance::kNothing;
   std::optional<Message> reason;
@@ -126,20 +106,6 @@ Message NotValidated(const OutputEvidence& output,
       absl::StrCat("The correction of ", output.name,
                    " could not be validated on data that it had not seen: ",
                    nothing_held_out, "."));
-}
-
-Message Untrusted(const OutputEvidence& output) {
-  return Doubt(
-      output, MessageCode::kStructureDoubtful,
-      absl::StrCat("Gains, time constants and dead times do not explain the "
-                   "records of ",
-                   output.name,
-                   ": another shape of a response, or a disturbance, would be "
-                   "put into ",
-                   output.doubtful_pair,
-                   ", whose input moves together with others or whose gain "
-                   "would change its sign. Set-point changes that move the "
-                   "inputs independently would settle it."));
 }
 
 Message WorseIn(const OutputEvidence& output,
@@ -162,26 +128,6 @@ Message Better(const OutputEvidence& output, double deviations) {
                    " predicts better ",
                    DescribeScore((*output.scores).*gain.score, gain.name),
                    "."));
-}
-
-Message BetterByParameters(const OutputEvidence& output) {
-  return Doubt(
-      output, MessageCode::kPredictsBetter,
-      absl::StrCat("For ", output.name,
-                   " gains, time constants and dead times are corrected; a "
-                   "free shape of the responses does not hold on data held "
-                   "out."));
-}
-
-Message NotShown(const OutputEvidence& output) {
-  return Doubt(
-      output, MessageCode::kStructureDoubtful,
-      absl::StrCat("The records speak for other shapes of the responses of ",
-                   output.name,
-                   ", but what the controller's model misses does not "
-                   "depend on past inputs: a disturbance, such as a load at "
-                   "an input, is as likely. Records with other set-point "
-                   "changes would settle it."));
 }
 
 Message ExplainsNothing(const OutputEvidence& output) {
@@ -289,29 +235,21 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
   if (output.instruments.has_value()) {
     return DecideByInstruments(output, options);
   }
-  if (output.not_ageing.has_value()) return NotTaken(*output.not_ageing);
-  if (!output.proposed) {
-    if (output.unexplained) return NotTaken(Unexplained(output));
-    return output.unnamed ? NotTaken(Unnamed(output)) : OutputVerdict();
-  }
+  if (!output.proposed) return {};
   if (!output.scores.has_value()) {
     return {
         options.require_hold_out ? Acceptance::kNothing : Acceptance::kProposal,
         NotValidated(output, nothing_held_out)};
   }
-  if (!output.doubtful_pair.empty()) return NotTaken(Untrusted(output));
   const double deviations = options.deviations;
-  const bool holds = !output.shape_unseen && Holds(*output.scores, deviations);
+  if (!Holds(*output.scores, deviations)) {
+    return NotTaken(NotBetter(output, deviations));
+  }
   if (const std::vector<std::string> worse = WorseWindows(output, deviations);
-      holds && !worse.empty()) {
+      !worse.empty()) {
     return NotTaken(WorseIn(output, worse));
   }
-  if (holds) return {Acceptance::kProposal, Better(output, deviations)};
-  if (output.parametric.has_value() && Holds(*output.parametric, deviations)) {
-    return {Acceptance::kParametric, BetterByParameters(output)};
-  }
-  return NotTaken(output.shape_unseen ? NotShown(output)
-                                      : NotBetter(output, deviations));
+  return {Acceptance::kProposal, Better(output, deviations)};
 }
 
 // Something is proposed that would have shown in what set points drive.

@@ -14,16 +14,12 @@
 //
 // elsewhere:
 //   nothing proposed                                    kNothing
-//   nothing proposed, but inputs explain residuals      kNothing, doubtful
-//   nothing proposed, and what has changed not named    kNothing, doubtful
 //   a finding forbids it (`doubts`)                     kNothing
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
-//   structure not enough, and not to be trusted         kNothing, doubtful
 //   no score gains by more than chance                  kNothing, doubtful
 //   simulates worse than a constant                     kNothing, doubtful
-//   one gains, none falls, with the structure only      kParametric
 //   one gains, none falls                               kProposal
 //
 //   evidence about the plant                            decision
@@ -81,7 +77,6 @@ struct DecisionOptions {
 
 enum class Acceptance {
   kNothing,
-  kParametric,  // gains, time constants and dead times, no other shape
   kProposal,
   kExplained,  // gains, time constants and dead times by the instruments
 };
@@ -118,27 +113,9 @@ struct OutputEvidence {
   std::optional<InstrumentEvidence> instruments;
   // One of Evidence::doubts is about it: nothing else counts.
   bool undecidable = false;
-  // Inputs explain a part of the residuals (model_adequacy.h), and nothing was
-  // estimated to take it up.
-  bool unexplained = false;
-  // Something has changed in it, but no element is named that accounts for it.
-  bool unnamed = false;
-  // The change proposed of an element is not one that ageing makes and these
-  // records could show: its parameters lie where the search ends, its response
-  // takes several times as long or short, the records do not inform it, or
-  // another shape of one element explains as much as changes of several.
-  std::optional<Message> not_ageing;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
-  std::optional<OutputScores> parametric;  // where a shape is proposed
-  std::vector<OutputScores> windows;       // the same of each window
-  // Where gains, time constants and dead times do not explain the records
-  // (model_adequacy.h): a pair whose gain would change its sign, or whose input
-  // moves together with others; or empty.
-  std::string doubtful_pair;
-  // A shape is proposed, but what the model in the controller misses one step
-  // ahead does not depend on past inputs (residual_diagnostics.h).
-  bool shape_unseen = false;
+  std::vector<OutputScores> windows;  // the same of each window
 };
 
 struct Evidence {

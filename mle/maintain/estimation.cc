@@ -203,6 +203,9 @@ void KeepInitialElement(int output, int input, Estimate& estimate) {
   }
 }
 
+namespace {
+
+// Leaves gains, time constants and dead times, and no other shape.
 void KeepParametricOutput(int output, Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
   if (ProposesShape(estimate, output)) {
@@ -221,6 +224,8 @@ void KeepParametricOutput(int output, Estimate& estimate) {
     estimate.fit.arx.reset();
   }
 }
+
+}  // namespace
 
 void KeepInitialOutput(int output, Estimate& estimate) {
   KeepParametricOutput(output, estimate);
@@ -244,19 +249,14 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
     return PredictAsIn(stretches, response);
   };
   MLE_ASSIGN_OR_RETURN(fit.initial, predict(setting.initial));
-  fit.parametric = fit.initial;
-  const OutputErrorCorrection& parametric =
-      fit.without_shapes.has_value() ? *fit.without_shapes : fit.output_error;
-  if (setting.options.estimator != Estimator::kArx && parametric.aged.any()) {
-    MLE_ASSIGN_OR_RETURN(fit.parametric, predict(parametric.corrected.model));
-  }
-  fit.corrected = fit.parametric;
+  fit.corrected = fit.initial;
   if (fit.arx.has_value()) {
     MLE_ASSIGN_OR_RETURN(
         fit.corrected,
         PredictAsIn(stretches,
                     ResponseOf(Unscaled(fit.arx_model, setting.scales))));
-  } else if (fit.posterior.has_value() && fit.posterior->any()) {
+  } else if (setting.options.estimator != Estimator::kArx &&
+             fit.output_error.aged.any()) {
     MLE_ASSIGN_OR_RETURN(fit.corrected,
                          predict(fit.output_error.corrected.model));
   }

@@ -91,13 +91,11 @@ struct EstimateFit {
   // Processor time of this thread, fits shared with other estimates included,
   // the conversion of the initial model not.
   double seconds = 0.0;
-  // Predictions of the initial model, of the corrected one, and of the
-  // corrected one without what its structure lacks, each with the noise that it
-  // finds in these windows; equal without a proposal. The initial model
-  // predicts as it is, not as R.
+  // Predictions of the initial model and of the corrected one, each with the
+  // noise that it finds in these windows; equal without a proposal. The initial
+  // model predicts as it is, not as R.
   Predictor initial;
   Predictor corrected;
-  Predictor parametric;
 
   // The p-value of the test that decided: that of the structure where the test
   // of no change found none, but the structure is not enough.
@@ -152,10 +150,8 @@ bool ProposesShape(const Estimate& estimate, int output, int input);
 // Whether one is for an element, by its parameters or its shape.
 bool ProposesElement(const Estimate& estimate, int output, int input);
 
-// Takes the proposal for an output back, or what is not parametric in it, or
-// that for an element.
+// Takes the proposal for an output back, or that for an element.
 void KeepInitialOutput(int output, Estimate& estimate);
-void KeepParametricOutput(int output, Estimate& estimate);
 void KeepInitialElement(int output, int input, Estimate& estimate);
 
 // Makes the predictors again, after a proposal was taken back.

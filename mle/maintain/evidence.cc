@@ -59,135 +59,13 @@ bool AnyInformed(const PairInformation& information) {
                      });
 }
 
-// The first pair of an output that a structure which does not explain the
-// records cannot be trusted with: its gain would change its sign, or its input
-// moves so much together with others that what the structure lacks goes into
-// the difference of their gains.
-std::string DoubtfulPair(const CorrectionResult& result, int i) {
-  constexpr double kTogether = 10.0;  // PairErrors::inflation
-  const EstimateFit& fit = result.estimate.fit;
-  if (!fit.adequacy.has_value() || fit.adequacy->adequate ||
-      ProposesShape(result.estimate, i)) {
-    return "";
-  }
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (!fit.output_error.aged(i, j)) continue;
-    const ParameterEstimate& gain =
-        fit.output_error.corrected.element(i, j).gain;
-    const bool together = !result.information.pairs.empty() &&
-                          result.information.pair(i, j).inflation > kTogether;
-    if (together || gain.value * gain.initial < 0.0) {
-      return PairName(result.initial, i, j);
-    }
-  }
-  return "";
-}
-
-// By Bonferroni's share of the level for each input.
-bool DependsOnInputs(const ResidualReport& residuals) {
-  return std::any_of(residuals.inputs.begin(), residuals.inputs.end(),
-                     [&](const InputCorrelation& input) {
-                       return input.p_value *
-                                  static_cast<double>(residuals.inputs.size()) <
-                              kDiagnosticLevel;
-                     });
-}
-
-// Whether a time constant or dead time is as far from the model's as it may be.
-// A dead time of 0 is nature's bound, not the search's.
-bool AtBound(const ElementEstimate& element, const OutputErrorOptions& search) {
-  constexpr double kClose = 1e-3;
-  const ParameterEstimate& lag = element.time_scale;
-  const ParameterEstimate& delay = element.delay;
-  const double factor =
-      lag.initial > 0.0 ? std::abs(std::log(lag.value / lag.initial)) : 0.0;
-  const double longest = std::isfinite(search.max_delay)
-                             ? search.max_delay
-                             : 2.0 * delay.initial + lag.initial;
-  return factor > (1.0 - kClose) * std::log(search.max_time_scale_factor) ||
-         (delay.value > delay.initial &&
-          delay.value > (1.0 - kClose) * longest);
-}
-
-// A message about the first proposed element that does not look like ageing; an
-// element that the model does not have has nothing to be compared with.
-std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
-  constexpr double kMostOfTimes = 5.0;  // by which dead time and lag change
-  const std::string& name = result.initial.outputs()[i].name;
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (!result.estimate.fit.output_error.aged(i, j) ||
-        result.initial.element(i, j).IsZero()) {
-      continue;
-    }
-    const std::string pair = PairName(result.initial, i, j);
-    const ElementEstimate& element =
-        result.estimate.fit.output_error.corrected.element(i, j);
-    const double sample_time = result.data.sample_time();
-    const double before =
-        element.time_scale.initial + element.delay.initial + sample_time;
-    const double after =
-        element.time_scale.value + element.delay.value + sample_time;
-    if (std::abs(std::log(after / before)) > std::log(kMostOfTimes)) {
-      return Message{
-          MessageCode::kBeyondAgeing,
-          name,
-          absl::StrFormat(
-              "Dead time and time constant of %s would be %.3g together in "
-              "place of %.3g, which no ageing does: compare the numbers and "
-              "units of this element with the controller's model.",
-              pair, after - sample_time, before - sample_time),
-          {}};
-    }
-    if (!ProposesShape(result.estimate, i, j) &&
-        AtBound(element, result.estimate.setting.options.output_error)) {
-      return Message{
-          MessageCode::kAtBound,
-          name,
-          absl::StrFormat(
-              "The time constant or dead time of %s comes to the end of what "
-              "is searched: compare the numbers and units of this element with "
-              "the controller's model, or let the search go further.",
-              pair),
-          {"max_time_constant_factor", "max_delay"}};
-    }
-    if (!result.information.pairs.empty() &&
-        result.information.pair(i, j).state == PairState::kNotInformed) {
-      return Message{
-          MessageCode::kNotExcited,
-          name,
-          absl::StrFormat(
-              "A change of %s is proposed, but by the controller's model "
-              "these records do not determine it: a wrong number or unit in "
-              "that model, or a disturbance, would look like this. Set-point "
-              "changes that move its input by itself would settle it.",
-              pair),
-          {}};
-    }
-  }
-  return std::nullopt;
-}
-
 OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   const Validation& validation = result.validation;
   OutputEvidence evidence;
   evidence.name = result.initial.outputs()[i].name;
   evidence.proposed = ProposesChange(result.estimate, i);
-  if (evidence.proposed) {
-    evidence.doubtful_pair = DoubtfulPair(result, i);
-    evidence.not_ageing = NotAgeing(result, i);
-  }
-  const EstimateFit& fit = result.estimate.fit;
-  evidence.unnamed =
-      fit.change_proposed &&
-      fit.output_error.missing_p_values(i) * result.initial.num_outputs() <
-          result.options.estimation.output_error.false_alarm_probability;
-  evidence.shape_unseen = ProposesShape(result.estimate, i) &&
-                          !DependsOnInputs(result.initial_residuals[i]);
   if (!validation.held_out) return evidence;
   evidence.scores = validation.outputs[i];
-  if (ProposesShape(result.estimate, i)) {
-    evidence.parametric = validation.parametric[i];
-  }
   for (const std::vector<OutputScores>& window : validation.windows) {
     evidence.windows.push_back(window[i]);
   }
@@ -196,19 +74,7 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
 
 }  // namespace
 
-std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
-  std::vector<bool> outputs(estimate.setting.arx_outputs.size());
-  const EstimateFit& fit = estimate.fit;
-  if (!fit.adequacy.has_value()) return outputs;
-  outputs = WrongOutputs(*fit.adequacy, estimate.setting.options.TestLevel());
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    outputs[i] = outputs[i] && !ProposesShape(estimate, static_cast<int>(i));
-  }
-  return outputs;
-}
-
 Evidence GatherEvidence(const CorrectionResult& result,
-                        const std::vector<bool>& unexplained,
                         const Competition* competition) {
   Evidence evidence;
   evidence.change_proved = result.estimate.fit.change_proposed;
@@ -230,7 +96,6 @@ Evidence GatherEvidence(const CorrectionResult& result,
     if (competition != nullptr) {
       output.instruments = EvidenceByInstruments(result, *competition, i);
     }
-    if (!output.instruments.has_value()) output.unexplained = unexplained[i];
   }
   return evidence;
 }

@@ -13,14 +13,8 @@ namespace mle {
 
 struct CorrectionResult;
 
-// p: outputs of whose residuals the inputs explain a part, for which no shape
-// was estimated.
-std::vector<bool> UnexplainedOutputs(const Estimate& estimate);
-
-// `result` has everything but the decision; `unexplained` is of the estimate
-// before any proposal was taken back; `competition` may be null.
+// `result` has everything but the decision; `competition` may be null.
 Evidence GatherEvidence(const CorrectionResult& result,
-                        const std::vector<bool>& unexplained,
                         const Competition* competition);
 
 }  // namespace mle

@@ -229,7 +229,6 @@ std::vector<OutputScores> ScoresOfAll(const Scores& windows) {
 struct FoldResult {
   absl::Status status;
   Scores corrected;
-  Scores parametric;  // where a shape is proposed
 };
 
 // Whether windows have offsets is decided by all the data, too, where they
@@ -281,10 +280,6 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
       IntegratingOutputs(estimate.setting.initial);
   result.corrected = ScoreFold(windows, fold, before, part->fit.corrected,
                                horizons, integrating);
-  if (shapes) {
-    result.parametric = ScoreFold(windows, fold, before, part->fit.parametric,
-                                  horizons, integrating);
-  }
   return result;
 }
 
@@ -358,7 +353,6 @@ absl::StatusOr<Validation> ValidateByHoldOut(
   });
   MLE_RETURN_IF_ERROR(stage.status());
   Scores corrected;
-  Scores parametric;
   for (int f = 0; f < count; ++f) {
     if (!results[f].status.ok()) {
       // The remaining data may be too short, or move too little, to be fitted.
@@ -368,11 +362,9 @@ absl::StatusOr<Validation> ValidateByHoldOut(
     }
     validation.folds.push_back(folds[f].name);
     AddScores(results[f].corrected, corrected);
-    AddScores(results[f].parametric, parametric);
   }
   validation.held_out = true;
   validation.outputs = ScoresOfAll(corrected);
-  validation.parametric = ScoresOfAll(parametric);
   for (const auto& outputs : corrected) {
     validation.windows.push_back(ScoresOf(outputs));
   }

@@ -74,9 +74,6 @@ struct Validation {
   // p: what was held out or, where nothing was, all windows by the initial
   // model, without a gain.
   std::vector<OutputScores> outputs;
-  // p: of the corrected model without shapes that the structure lacks; empty
-  // where none is proposed.
-  std::vector<OutputScores> parametric;
   // Those of each window, as of `outputs`; empty where nothing was held out.
   std::vector<std::vector<OutputScores>> windows;
 };

@@ -74,8 +74,6 @@ std::string_view NameOf(MessageCode code) {
       return "windows_disagree";
     case MessageCode::kStructureDoubtful:
       return "structure_doubtful";
-    case MessageCode::kBeyondAgeing:
-      return "beyond_ageing";
     case MessageCode::kExplained:
       return "explained";
     case MessageCode::kMissingExplanation:

@@ -54,7 +54,6 @@ enum class MessageCode {
   kNothingHeldOut,      // the correction could not be validated
   kWindowsDisagree,     // parts of the records want different gains
   kStructureDoubtful,   // it does not explain the records
-  kBeyondAgeing,        // a time changes by more than ageing makes of it
   kExplained,           // something else than ageing explains the records
   kMissingExplanation,  // set points drive what nothing known explains
   kNotConfirmed,        // a change that set points do not confirm

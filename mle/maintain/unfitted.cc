@@ -48,7 +48,6 @@ OutputErrorCorrection UnfittedStructure(const ProcessModel& initial) {
   none.full.deviances.assign(p, 0.0);
   none.corrected = none.full;
   none.element_p_values.setOnes(p, m);
-  none.missing_p_values.setOnes(p);
   none.aged.setConstant(p, m, false);
   return none;
 }
@@ -73,7 +72,6 @@ Estimate UnfittedEstimate(const ProcessModel& initial,
     };
     estimate.fit.initial = nothing;
     estimate.fit.corrected = nothing;
-    estimate.fit.parametric = nothing;
   }
   return estimate;
 }

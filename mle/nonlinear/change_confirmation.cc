@@ -383,7 +383,6 @@ void Confirmation::TakeRival() {
 
 ConfirmedChanges Confirmation::Result() const {
   ConfirmedChanges confirmed = confirmed_;
-  confirmed.missing_p_value = Missing().p_value;
   confirmed.point = with_[main_].point;
   confirmed.restarted = added_ || with_[main_].restarted;
   return confirmed;

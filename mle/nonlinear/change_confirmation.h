@@ -69,9 +69,6 @@ struct ConfirmedChanges {
   // when it left, or the last; 0 for others.
   std::vector<double> statistics;
   std::vector<double> p_values;  // the same; 1 for others, 0 for certain ones
-  // The p-value of the fit with all elements free, against that of what has
-  // changed.
-  double missing_p_value = 1.0;
   // The best fit of what has changed, by the heaviest assumption.
   OutputPoint point;
   // Found from the initial values, better than from the estimate by r, or of

@@ -306,7 +306,6 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
       setup, assumed, named,
       BeyondDoubt(named, correction.element_p_values.row(i), i, options),
       false_alarm, options);
-  correction.missing_p_values(i) = confirmed.missing_p_value;
   for (std::size_t j = 0; j < named.size(); ++j) {
     double& p_value = correction.element_p_values(i, j);
     if (named[j]) {
@@ -389,7 +388,6 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
   correction.corrected = EmptyFit(initial);
   correction.element_p_values = MatrixXd::Ones(p, m);
   correction.aged.setConstant(p, m, false);
-  correction.missing_p_values = VectorXd::Ones(p);
 
   MLE_ASSIGN_OR_RETURN(std::vector<OutputFit> fits,
                        FitOutputs(setups, options));

@@ -262,9 +262,6 @@ struct OutputErrorCorrection {
   // `full`, or by likelihood where that p is larger or the element was found by
   // it; 1 where it is not fitted.
   Eigen::MatrixXd element_p_values;
-  // p: of each output, that the elements that have aged account for its records
-  // as well as all that are fitted; 1 where no change is proposed.
-  Eigen::VectorXd missing_p_values;
   // p × m: whether the element has aged.
   Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> aged;
 

@@ -34,13 +34,11 @@ OutputScores Simulating(double corrected) {
   return scores;
 }
 
-OutputEvidence Output(std::optional<OutputScores> scores,
-                      std::optional<OutputScores> parametric = {}) {
+OutputEvidence Output(std::optional<OutputScores> scores) {
   OutputEvidence output;
   output.name = "T";
   output.proposed = true;
   output.scores = scores;
-  output.parametric = parametric;
   return output;
 }
 
@@ -114,15 +112,6 @@ TEST(DecisionTest, EveryRowOfTheTableOfOutputs) {
       {"simulates a little better than a constant", Output(Simulating(0.1)),
        Acceptance::kProposal, Decision::kCorrected,
        MessageCode::kPredictsBetter},
-      {"simulates better without a shape", Output(Simulating(-5.0), kGood),
-       Acceptance::kParametric, Decision::kCorrected,
-       MessageCode::kPredictsBetter},
-      {"without ΔR only", Output(kFalls, kGood), Acceptance::kParametric,
-       Decision::kCorrected, MessageCode::kPredictsBetter},
-      {"neither with nor without", Output(kFalls, kSame), Acceptance::kNothing,
-       Decision::kCannotTell, MessageCode::kPredictsWorse},
-      {"with and without", Output(kGood, kGood), Acceptance::kProposal,
-       Decision::kCorrected, MessageCode::kPredictsBetter},
   };
   for (const Row& row : rows) {
     const Verdict verdict = Decide(Of({row.output}), {});
@@ -144,71 +133,6 @@ TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kWindowsDisagree);
   EXPECT_NE(verdict.reasons.back().text.find("window 2"), std::string::npos);
-}
-
-TEST(DecisionTest, WhatNoAgeingDoesIsDoubt) {
-  OutputEvidence output = Output(kGood);
-  output.not_ageing = {
-      MessageCode::kBeyondAgeing, "T", "Times of T ← valve.", {}};
-  const Verdict verdict = Decide(Of({output}), {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kBeyondAgeing);
-}
-
-TEST(DecisionTest, AStructureThatIsNotEnoughIsNotTrustedWithEveryPair) {
-  OutputEvidence output = Output(kGood);
-  output.doubtful_pair = "T ← valve";
-  const Verdict verdict = Decide(Of({output}), {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
-}
-
-TEST(DecisionTest, AShapeThatResidualsDoNotShowIsDoubt) {
-  OutputEvidence output = Output(kGood, kFalls);
-  output.shape_unseen = true;
-  const Verdict verdict = Decide(Of({output}), {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
-  // What is parametric is decided by its own scores.
-  output.parametric = kGood;
-  EXPECT_EQ(Decide(Of({output}), {}).outputs[0], Acceptance::kParametric);
-}
-
-TEST(DecisionTest, ResidualsThatInputsExplainAreNotNoChange) {
-  OutputEvidence quiet;
-  quiet.name = "T";
-  OutputEvidence unexplained = quiet;
-  unexplained.unexplained = true;
-  Evidence evidence;
-  evidence.outputs = {quiet, unexplained};
-  const Verdict verdict = Decide(evidence, {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.outputs[1], Acceptance::kNothing);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
-  // Beside an output that is sure it is a doubt, no more.
-  evidence.outputs[0] = Output(kGood);
-  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCorrected);
-  EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kStructureDoubtful));
-}
-
-// A change that is proved and that no element accounts for is not a small one.
-TEST(DecisionTest, AChangeThatNoElementAccountsForIsNotNoChange) {
-  Evidence evidence;
-  evidence.change_proved = true;
-  evidence.p_value = 1e-30;
-  evidence.outputs = {OutputEvidence(), OutputEvidence()};
-  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kNoChange);
-  EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kChangeTooSmall));
-  evidence.outputs[1].name = "T";
-  evidence.outputs[1].unnamed = true;
-  const Verdict verdict = Decide(evidence, {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_FALSE(Says(verdict, MessageCode::kChangeTooSmall));
-  EXPECT_EQ(verdict.reasons.back().place, "T");
-  // Where something is proposed, its scores decide.
-  evidence.outputs[1] = Output(kGood);
-  evidence.outputs[1].unnamed = true;
-  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCorrected);
 }
 
 TEST(DecisionTest, OutputsThatAreDoubtedAreNotDecided) {
