@@ -196,18 +196,20 @@ Competition& Competition::operator=(Competition&&) noexcept = default;
 Competition::~Competition() = default;
 
 absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
-                                             const std::vector<Record>& records,
+                                             std::vector<Record> records,
                                              const ExplainOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   if (records.empty())
     return absl::InvalidArgumentError("there are no records");
   const int p = model.num_outputs();
   Competition competition;
+  competition.records_ =
+      std::make_unique<const std::vector<Record>>(std::move(records));
   competition.competitions_.resize(p);
   competition.results_.resize(p);
   ParallelFor(p, options.threads, [&](int i) {
     absl::StatusOr<OutputCompetition> made =
-        OutputCompetition::Create(model, records, i, options);
+        OutputCompetition::Create(model, *competition.records_, i, options);
     if (!made.ok()) {
       competition.results_[i].unjudged = std::string(made.status().message());
       return;

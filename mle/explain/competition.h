@@ -120,12 +120,12 @@ struct OutputExplanation {
 class OutputCompetition;
 
 // The competition of all outputs, which can be asked about other models of the
-// same row. `records` must outlive it.
+// same row.
 class Competition {
  public:
   // InvalidArgument for options; outputs without a judge say why.
   static absl::StatusOr<Competition> Run(const ProcessModel& model,
-                                         const std::vector<Record>& records,
+                                         std::vector<Record> records,
                                          const ExplainOptions& options);
   Competition(Competition&&) noexcept;
   Competition& operator=(Competition&&) noexcept;
@@ -151,6 +151,8 @@ class Competition {
 
  private:
   Competition() = default;
+  // Of all competitions, wherever this one is moved to.
+  std::unique_ptr<const std::vector<Record>> records_;
   std::vector<std::unique_ptr<OutputCompetition>> competitions_;
   std::vector<OutputExplanation> results_;
 };

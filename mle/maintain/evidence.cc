@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "mle/maintain/correct.h"
 #include "mle/maintain/explained.h"
 
 namespace mle {
@@ -17,16 +16,20 @@ namespace {
 // "A change of a gain by 2.1 % (top ← reflux) to 9 % (…) would have been
 // seen.", of the pairs that the records tell something about; empty where they
 // tell nothing about any.
-std::string Detectable(const CorrectionResult& result) {
+std::string Detectable(const Candidates& candidates) {
   constexpr double kMost = 1.0;  // more is no change of a gain
-  const ProcessModel& model = result.initial;
+  const ProcessModel& model = candidates.initial;
+  const std::vector<OutputExplanation> explanations =
+      candidates.competition.has_value() ? candidates.competition->outputs()
+                                         : std::vector<OutputExplanation>();
   double low = std::numeric_limits<double>::infinity();
   double high = 0.0;
   std::string lowest;
   std::string highest;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
-      const double change = DetectableGain(result, i, j);
+      const double change =
+          DetectableGain(explanations, candidates.estimate, i, j);
       if (!(change < kMost)) continue;
       if (change < low) {
         low = change;
@@ -59,11 +62,11 @@ bool AnyInformed(const PairInformation& information) {
                      });
 }
 
-OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
-  const Validation& validation = result.validation;
+OutputEvidence EvidenceOf(const Candidates& candidates,
+                          const Validation& validation, int i) {
   OutputEvidence evidence;
-  evidence.name = result.initial.outputs()[i].name;
-  evidence.proposed = ProposesChange(result.estimate, i);
+  evidence.name = candidates.initial.outputs()[i].name;
+  evidence.proposed = ProposesChange(candidates.estimate, i);
   if (!validation.held_out) return evidence;
   evidence.scores = validation.outputs[i];
   for (const std::vector<OutputScores>& window : validation.windows) {
@@ -74,27 +77,27 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
 
 }  // namespace
 
-Evidence GatherEvidence(const CorrectionResult& result,
-                        const Competition* competition) {
+Evidence GatherEvidence(const Candidates& candidates,
+                        const Validation& validation) {
   Evidence evidence;
-  evidence.change_proved = result.estimate.fit.change_proposed;
-  evidence.p_value = result.estimate.fit.PValue();
-  evidence.nothing_held_out = result.validation.missing;
-  evidence.obstacles = result.data.obstacles;
-  evidence.informed = AnyInformed(result.information);
-  if (result.options.examine) evidence.detectable = Detectable(result);
-  std::vector<bool> undecidable(result.initial.num_outputs());
-  for (const Finding& finding : result.data.findings) {
+  evidence.change_proved = candidates.estimate.fit.change_proposed;
+  evidence.p_value = candidates.estimate.fit.PValue();
+  evidence.nothing_held_out = validation.missing;
+  evidence.obstacles = candidates.data.obstacles;
+  evidence.informed = AnyInformed(candidates.information);
+  if (candidates.options.examine) evidence.detectable = Detectable(candidates);
+  std::vector<bool> undecidable(candidates.initial.num_outputs());
+  for (const Finding& finding : candidates.data.findings) {
     if (finding.consequence != Consequence::kDoubts) continue;
     evidence.doubts.push_back(finding.message);
     for (const int i : finding.outputs) undecidable[i] = true;
   }
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    evidence.outputs.push_back(EvidenceOf(result, i));
+  for (int i = 0; i < candidates.initial.num_outputs(); ++i) {
+    evidence.outputs.push_back(EvidenceOf(candidates, validation, i));
     evidence.outputs[i].undecidable = undecidable[i];
     OutputEvidence& output = evidence.outputs.back();
-    if (competition != nullptr) {
-      output.instruments = EvidenceByInstruments(result, *competition, i);
+    if (candidates.competition.has_value()) {
+      output.instruments = EvidenceByInstruments(candidates, i);
     }
   }
   return evidence;

@@ -32,20 +32,19 @@ constexpr double kFallen = 1.5;
 
 // The largest change of dead time that a clock may have made, in the model's
 // time unit. Where that is samples, seconds say nothing.
-double MostOfClocks(const CorrectionResult& result) {
-  const double seconds = result.options.decision.clock_error;
+double MostOfClocks(const Candidates& candidates) {
+  const double seconds = candidates.options.decision.clock_error;
   if (!(seconds > 0.0)) return 0.0;
   return std::max(
-      seconds / SecondsPerUnit(result.initial.time_unit())
+      seconds / SecondsPerUnit(candidates.initial.time_unit())
                     .value_or(std::numeric_limits<double>::infinity()),
-      kLateSamples * result.data.sample_time());
+      kLateSamples * candidates.data.sample_time());
 }
 
 // Beyond what clocks are wrong by, all dead times have changed.
-double BelievedDelay(const CorrectionResult& result,
-                     const Competition& competition, int i, int j) {
-  const double clock = competition.ClockOf(i, j);
-  return std::abs(clock) > MostOfClocks(result) ? clock : 0.0;
+double BelievedDelay(const Candidates& candidates, int i, int j) {
+  const double clock = candidates.competition->ClockOf(i, j);
+  return std::abs(clock) > MostOfClocks(candidates) ? clock : 0.0;
 }
 
 bool IsClock(ExplanationKind kind) {
@@ -62,15 +61,13 @@ bool Lasts(const Explanation& explanation) {
 }
 
 // The element with what won; nothing where it cannot be simulated.
-std::optional<TransferFunction> ExplainedElement(const CorrectionResult& result,
-                                                 const Competition& competition,
+std::optional<TransferFunction> ExplainedElement(const Candidates& candidates,
                                                  int i, int j) {
   const absl::StatusOr<ElementResponse> response =
-      ElementResponse::Create(result.initial.element(i, j));
+      ElementResponse::Create(candidates.initial.element(i, j));
   if (!response.ok()) return std::nullopt;
-  ElementValues values = competition.Explained(i, j);
-  values.delay =
-      std::max(0.0, values.delay + BelievedDelay(result, competition, i, j));
+  ElementValues values = candidates.competition->Explained(i, j);
+  values.delay = std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
   return response->ToTransferFunction(values);
 }
 
@@ -102,11 +99,11 @@ std::optional<ShownOfInput> ContestedBy(const Competition& competition, int i,
 }
 
 // The inputs of the elements that have aged by what won.
-std::vector<bool> AgedInputs(const CorrectionResult& result,
-                             const Competition& competition, int i) {
-  const ProcessModel& model = result.initial;
+std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
+  const ProcessModel& model = candidates.initial;
   std::vector<bool> aged(model.num_inputs(), false);
-  const std::vector<TakenExplanation>& taken = competition.outputs()[i].taken;
+  const std::vector<TakenExplanation>& taken =
+      candidates.competition->outputs()[i].taken;
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (model.element(i, j).IsZero()) continue;
     for (const TakenExplanation& one : taken) {
@@ -114,7 +111,7 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
         aged[j] = true;
       }
     }
-    if (BelievedDelay(result, competition, i, j) != 0.0) aged[j] = true;
+    if (BelievedDelay(candidates, i, j) != 0.0) aged[j] = true;
     // Of a gain that changed during the record its value at the end holds; of
     // one that changed for a time the records do not say what holds.
     for (const TakenExplanation& one : taken) {
@@ -123,18 +120,18 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
         aged[j] = Lasts(one.explanation);
       }
     }
-    if (ContestedBy(competition, i, j).has_value()) aged[j] = false;
+    if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
     // Nor is a change made that is not worth making.
     if (aged[j]) {
-      const Eigen::VectorXd from = result.initial_response.element(i, j);
+      const Eigen::VectorXd from = candidates.initial_response.element(i, j);
       const std::optional<TransferFunction> element =
-          ExplainedElement(result, competition, i, j);
-      aged[j] =
-          element.has_value() &&
-          (element->StepResponse(result.data.sample_time(),
-                                 static_cast<int>(from.size())) -
-           from)
-                  .norm() > result.options.decision.least_change * from.norm();
+          ExplainedElement(candidates, i, j);
+      aged[j] = element.has_value() &&
+                (element->StepResponse(candidates.data.sample_time(),
+                                       static_cast<int>(from.size())) -
+                 from)
+                        .norm() >
+                    candidates.options.decision.least_change * from.norm();
     }
   }
   return aged;
@@ -174,39 +171,39 @@ int FirstInput(const ProcessModel& model, int output) {
   return 0;
 }
 
-std::string Others(const CorrectionResult& result,
-                   const Competition& competition, int i) {
+std::string Others(const Candidates& candidates, int i) {
   std::string text;
-  for (const TakenExplanation& one : competition.outputs()[i].taken) {
+  for (const TakenExplanation& one :
+       candidates.competition->outputs()[i].taken) {
     const Explanation& explanation = one.explanation;
     if (IsAgeing(explanation.kind)) continue;
     if (IsClock(explanation.kind) &&
-        BelievedDelay(result, competition, i,
+        BelievedDelay(candidates, i,
                       explanation.kind == ExplanationKind::kInputClock
                           ? explanation.index
-                          : FirstInput(result.initial, i)) != 0.0) {
+                          : FirstInput(candidates.initial, i)) != 0.0) {
       continue;
     }
     if (IsClock(explanation.kind)) {
       const bool of_output = explanation.kind == ExplanationKind::kOutputClock;
       const int j =
-          of_output ? FirstInput(result.initial, i) : explanation.index;
-      const double late = competition.ClockOf(i, j);
+          of_output ? FirstInput(candidates.initial, i) : explanation.index;
+      const double late = candidates.competition->ClockOf(i, j);
       absl::StrAppend(
           &text, text.empty() ? "" : " ",
           absl::StrFormat(
               "All dead times of %s are %.2g %s %s, or its time stamps are "
               "wrong by as much. ",
-              of_output ? result.initial.outputs()[i].name
-                        : result.initial.inputs()[j].name,
-              std::abs(late), result.initial.time_unit(),
+              of_output ? candidates.initial.outputs()[i].name
+                        : candidates.initial.inputs()[j].name,
+              std::abs(late), candidates.initial.time_unit(),
               late < 0.0 ? "shorter" : "longer"),
           TypeOf(explanation.kind).settled_by);
       continue;
     }
     absl::StrAppend(
         &text, text.empty() ? "" : " ",
-        Capitalised(Sentence(result.initial, i, explanation)),
+        Capitalised(Sentence(candidates.initial, i, explanation)),
         Lasts(explanation)
             ? absl::StrFormat(" and is × %.3g at its end. ",
                               GainAtEnd({explanation}, explanation.index))
@@ -251,19 +248,19 @@ std::string Ties(const ProcessModel& model, const OutputExplanation& output,
 
 // The elements that the likelihood proposes to change: fewer of them are a
 // simpler explanation than what won.
-std::size_t NumProposed(const CorrectionResult& result, int i) {
+std::size_t NumProposed(const Candidates& candidates, int i) {
   std::size_t count = 0;
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (ProposesElement(result.estimate, i, j)) ++count;
+  for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
+    if (ProposesElement(candidates.estimate, i, j)) ++count;
   }
   return count;
 }
 
 // A path that the model has not got: no row of the table is about one.
-bool ProposesNewPath(const CorrectionResult& result, int i) {
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (result.initial.element(i, j).IsZero() &&
-        ProposesElement(result.estimate, i, j)) {
+bool ProposesNewPath(const Candidates& candidates, int i) {
+  for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
+    if (candidates.initial.element(i, j).IsZero() &&
+        ProposesElement(candidates.estimate, i, j)) {
       return true;
     }
   }
@@ -272,14 +269,14 @@ bool ProposesNewPath(const CorrectionResult& result, int i) {
 
 // The largest change that is proposed of an output's responses, relative to
 // each.
-double LargestChange(const CorrectionResult& result, int i) {
+double LargestChange(const Candidates& candidates, int i) {
   double largest = 0.0;
-  const StepResponse& initial = result.initial_response;
+  const StepResponse& initial = candidates.initial_response;
   for (int j = 0; j < initial.num_inputs; ++j) {
-    if (!ProposesElement(result.estimate, i, j)) continue;
+    if (!ProposesElement(candidates.estimate, i, j)) continue;
     const Eigen::VectorXd from = initial.element(i, j);
     const Eigen::VectorXd to =
-        result.estimate.fit.output_error.corrected.model.element(i, j)
+        candidates.estimate.fit.output_error.corrected.model.element(i, j)
             .StepResponse(initial.sample_time, static_cast<int>(from.size()));
     largest =
         std::max(largest, (to - from).norm() / std::max(from.norm(), 1e-300));
@@ -335,15 +332,16 @@ std::string DescribeExplanation(const ProcessModel& model, int output,
 }
 
 std::optional<InstrumentEvidence> EvidenceByInstruments(
-    const CorrectionResult& result, const Competition& competition, int i) {
-  const OutputExplanation& output = competition.outputs()[i];
+    const Candidates& candidates, int i) {
+  const OutputExplanation& output = candidates.competition->outputs()[i];
   if (!output.judged()) return std::nullopt;
   // Inputs stand for set points only where the model has a path from them.
-  if (!output.by_set_points && ProposesNewPath(result, i)) return std::nullopt;
+  if (!output.by_set_points && ProposesNewPath(candidates, i))
+    return std::nullopt;
   InstrumentEvidence evidence;
-  const std::vector<bool> aged = AgedInputs(result, competition, i);
+  const std::vector<bool> aged = AgedInputs(candidates, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
-  evidence.other = Others(result, competition, i);
+  evidence.other = Others(candidates, i);
   // Whether all that won can be held by a corrected model.
   bool correctable = true;
   bool any_other = false;
@@ -357,7 +355,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     correctable = correctable && (kind == ExplanationKind::kHigherOrder ||
                                   (IsClock(kind) && evidence.other.empty()));
   }
-  const std::string contested = Contested(result.initial, competition, i);
+  const std::string contested =
+      Contested(candidates.initial, *candidates.competition, i);
   if (!contested.empty()) {
     correctable = false;
     absl::StrAppend(&evidence.other, evidence.other.empty() ? "" : " ",
@@ -365,28 +364,28 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   }
   // A sign is a mistake of configuration, not to be corrected by the others.
   evidence.ageing = evidence.ageing && !reversed;
-  evidence.tie = Ties(result.initial, output, i);
+  evidence.tie = Ties(candidates.initial, output, i);
   evidence.left = output.left();
   if (evidence.ageing) {
     evidence.predicts_better = PredictsBetter(output);
-    evidence.another_in_use = static_cast<bool>(result.options.in_use);
-    evidence.errors = ErrorsText(output, result.initial, i);
+    evidence.another_in_use = static_cast<bool>(candidates.options.in_use);
+    evidence.errors = ErrorsText(output, candidates.initial, i);
   }
-  if (ProposesChange(result.estimate, i) &&
-      !ProposesByArx(result.estimate, i)) {
-    const Competition::Energies energies = competition.EnergiesOf(
-        i, result.estimate.fit.output_error.corrected.model);
+  if (ProposesChange(candidates.estimate, i) &&
+      !ProposesByArx(candidates.estimate, i)) {
+    const Competition::Energies energies = candidates.competition->EnergiesOf(
+        i, candidates.estimate.fit.output_error.corrected.model);
     const double energy = energies.remaining;
     bool same = true;
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      same = same && aged[j] == ProposesElement(result.estimate, i, j);
+    for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
+      same = same && aged[j] == ProposesElement(candidates.estimate, i, j);
     }
     const auto evidence_from = [&](double from) {
       return output.EvidenceOf(from - energy, energies.unit);
     };
     // Small changes are not taken on little evidence, nor doubted for it.
-    const bool is_small = LargestChange(result, i) < kSmall;
-    const double most = result.options.explain.evidence;
+    const bool is_small = LargestChange(candidates, i) < kSmall;
+    const double most = candidates.options.explain.evidence;
     const bool explains =
         evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
     const bool better =
@@ -396,8 +395,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
         explains && !reversed &&
         (better ||
          (correctable && as_much &&
-          (ProposesNewPath(result, i) ||
-           NumProposed(result, i) < output.taken.size() || same ||
+          (ProposesNewPath(candidates, i) ||
+           NumProposed(candidates, i) < output.taken.size() || same ||
            !evidence.tie.empty() || !evidence.predicts_better)) ||
          output.taken.empty());
     evidence.refutes_proposal =
@@ -409,10 +408,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   return evidence;
 }
 
-void TakeExplained(const Competition& competition, int i,
-                   CorrectionResult& result) {
+void TakeExplained(const Candidates& candidates, int i, Estimate& estimate) {
   constexpr double kNormal = 1.959963984540054;  // of 95 %
-  Estimate& estimate = result.estimate;
   KeepInitialOutput(i, estimate);
   OutputErrorCorrection& correction = estimate.fit.output_error;
   OutputErrorFit& fit = correction.corrected;
@@ -420,17 +417,17 @@ void TakeExplained(const Competition& competition, int i,
   if (fit.covariances[i].rows() != 3 * m) {
     fit.covariances[i] = Eigen::MatrixXd::Zero(3 * m, 3 * m);
   }
-  const std::vector<bool> aged = AgedInputs(result, competition, i);
+  const std::vector<bool> aged = AgedInputs(candidates, i);
   for (int j = 0; j < m; ++j) {
     if (!aged[j]) continue;
-    ElementValues values = competition.Explained(i, j);
+    ElementValues values = candidates.competition->Explained(i, j);
     values.delay =
-        std::max(0.0, values.delay + BelievedDelay(result, competition, i, j));
+        std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
     const absl::StatusOr<ElementResponse> response =
-        ElementResponse::Create(result.initial.element(i, j));
+        ElementResponse::Create(candidates.initial.element(i, j));
     if (!response.ok()) continue;
     const ElementValues& before = response->initial_values();
-    const Eigen::Matrix3d covariance = competition.Covariance(i, j);
+    const Eigen::Matrix3d covariance = candidates.competition->Covariance(i, j);
     const auto parameter = [&](double initial, double value, int k) {
       const double error =
           value == initial ? 0.0 : std::sqrt(std::max(covariance(k, k), 0.0));

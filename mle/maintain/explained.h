@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "mle/explain/competition.h"
-#include "mle/maintain/correct.h"
+#include "mle/explain/explanation.h"
+#include "mle/maintain/candidates.h"
 #include "mle/maintain/decision.h"
 
 namespace mle {
@@ -17,14 +17,15 @@ namespace mle {
 std::string DescribeExplanation(const ProcessModel& model, int output,
                                 const Explanation& explanation);
 
-// Nothing where the output has no judge.
+// Nothing where the output has no judge; there is a competition.
 std::optional<InstrumentEvidence> EvidenceByInstruments(
-    const CorrectionResult& result, const Competition& competition, int output);
+    const Candidates& candidates, int output);
 
-// Puts the gains, time constants and dead times that won in place of the
-// proposal for this output; changes that are not worth making are left out.
-void TakeExplained(const Competition& competition, int output,
-                   CorrectionResult& result);
+// Puts the gains, time constants and dead times that won in place of what
+// `estimate` proposes for this output; changes that are not worth making are
+// left out.
+void TakeExplained(const Candidates& candidates, int output,
+                   Estimate& estimate);
 
 }  // namespace mle
 
