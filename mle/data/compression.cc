@@ -343,7 +343,7 @@ Compression FindCompression(const std::vector<SampleRow>& rows, Holding own) {
   return found;
 }
 
-Compression MeasuredEvery(const std::vector<SampleRow>& rows, double period) {
+Compression HeldBetween(const std::vector<SampleRow>& rows, double period) {
   Compression found;
   found.kind = Compression::Kind::kHeld;
   found.is_sampled = true;

@@ -47,7 +47,7 @@ enum class Holding { kNever, kByItself };
 Compression FindCompression(const std::vector<SampleRow>& rows, Holding own);
 
 // Of a channel that is known to be measured every `period` samples and held.
-Compression MeasuredEvery(const std::vector<SampleRow>& rows, double period);
+Compression HeldBetween(const std::vector<SampleRow>& rows, double period);
 
 }  // namespace mle
 

@@ -46,6 +46,7 @@ class HistorianImporter {
   // What is declared of each value, and is a mean over what lies between rows.
   void Declare(ResamplerOptions& resampler) const;
   bool IsMeanOfStep(const Sampling& sampling) const;
+  bool IsPoint(int output) const;
   void NoteDeclared();
   Resampler Begin();
   absl::StatusOr<HistorianImport> End(Resampler& resampler);

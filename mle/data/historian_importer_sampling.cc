@@ -68,6 +68,14 @@ bool HistorianImporter::IsMeanOfStep(const Sampling& sampling) const {
   return kMeanOfStep * sampling.average > import_.report.step;
 }
 
+bool HistorianImporter::IsPoint(int output) const {
+  const Sampling sampling =
+      SamplingOf(channels_.outputs()[output], options_.columns.tags);
+  return sampling.period > 0.0 ||
+         (IsMeanOfStep(sampling) &&
+          import_.report.sample_time < import_.report.step);
+}
+
 void HistorianImporter::Declare(ResamplerOptions& resampler) const {
   const int p = channels_.num_outputs();
   resampler.late.assign(num_values(), 0.0);
@@ -76,9 +84,7 @@ void HistorianImporter::Declare(ResamplerOptions& resampler) const {
     const Sampling sampling =
         SamplingOf(channels_.outputs()[i], options_.columns.tags);
     resampler.late[i] = sampling.OutputLate();
-    resampler.is_point[i] =
-        sampling.period > 0.0 ||
-        (IsMeanOfStep(sampling) && resampler.sample_time < import_.report.step);
+    resampler.is_point[i] = IsPoint(i);
   }
   for (int j = 0; j < channels_.num_inputs(); ++j) {
     resampler.late[2 * p + j] =

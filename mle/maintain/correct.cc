@@ -89,6 +89,9 @@ absl::StatusOr<std::optional<Competition>> Compete(
   MLE_RETURN_IF_ERROR(stage.status());
   ExplainOptions options = result.options.explain;
   options.threads = result.options.threads;
+  for (const Sampling& sampling : result.data.sampling) {
+    options.averages.push_back(sampling.average);
+  }
   MLE_ASSIGN_OR_RETURN(Competition competition,
                        Competition::Run(result.initial, stretches, options));
   result.explanations = competition.outputs();

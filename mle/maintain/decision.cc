@@ -414,14 +414,10 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
                          "response changes by more than %.3g %%.",
                          p, 100.0 * options.least_change),
          {"least_change"}});
-  } else if (!evidence.informed) {
+  } else if (!evidence.uninformed.empty()) {
     verdict.decision = Decision::kCannotTell;
     verdict.reasons.push_back(
-        {MessageCode::kNotExcited,
-         "",
-         "The inputs move too little to determine any gain: records with "
-         "set-point changes, or a step test, would settle it.",
-         {}});
+        {MessageCode::kNotExcited, "", evidence.uninformed, {}});
   } else {
     verdict.reasons.push_back(
         {MessageCode::kNoChangeFound,

@@ -144,8 +144,8 @@ struct OutputEvidence {
 struct Evidence {
   bool change_proved = false;  // by the test of no change
   double p_value = 1.0;        // of it
-  // Whether the records determine any gain.
-  bool informed = true;
+  // Why the records determine no gain, and what would settle it; or empty.
+  std::string uninformed;
   // The smallest change that they would have shown, in words; or empty.
   std::string detectable;
   std::string nothing_held_out;  // why

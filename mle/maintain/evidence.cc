@@ -10,6 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "mle/maintain/correct.h"
 #include "mle/maintain/explained.h"
+#include "mle/maintain/stamps.h"
 
 namespace mle {
 namespace {
@@ -50,13 +51,55 @@ std::string Detectable(const CorrectionResult& result) {
                    100.0 * low, lowest, 100.0 * high, highest);
 }
 
-bool AnyInformed(const PairInformation& information) {
-  return information.pairs.empty() ||
-         std::any_of(information.pairs.begin(), information.pairs.end(),
-                     [](const PairErrors& pair) {
-                       return pair.state == PairState::kInformed ||
-                              pair.state == PairState::kWeak;
-                     });
+bool IsInformed(const PairErrors& pair) {
+  return pair.state == PairState::kInformed || pair.state == PairState::kWeak;
+}
+
+// Why no gain is determined: the inputs rest, they move together, or what
+// they do is too little beside what else moves the outputs. Empty if one is.
+std::string WhyUninformed(const CorrectionResult& result) {
+  constexpr double kWeak = 0.5;  // InformationOptions::weak
+  const PairInformation& information = result.information;
+  if (information.pairs.empty() ||
+      std::any_of(information.pairs.begin(), information.pairs.end(),
+                  IsInformed)) {
+    return "";
+  }
+  const bool moves =
+      std::any_of(information.inputs.begin(), information.inputs.end(),
+                  [](const InputExcitation& input) { return input.moves > 0; });
+  if (!moves) {
+    return "The inputs do not move: records with set-point changes, or a step "
+           "test, would settle it.";
+  }
+  double alone = std::numeric_limits<double>::infinity();
+  double best = alone;
+  std::string pair;
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      const PairErrors& errors = information.pair(i, j);
+      if (errors.state == PairState::kAbsent) continue;
+      alone = std::min(alone, errors.gain / errors.inflation);
+      if (pair.empty() || errors.gain < best) {
+        best = errors.gain;
+        pair = PairName(result.initial, i, j);
+      }
+    }
+  }
+  if (alone <= kWeak) {
+    return "The inputs move together, so that no gain is determined by itself: "
+           "set-point changes that move them one by one, or a step test, would "
+           "settle it.";
+  }
+  return absl::StrFormat(
+      "What the inputs do to the outputs is too little, beside all else that "
+      "moves these, to determine any gain%s. Larger or more set-point changes, "
+      "or a step test, would settle it.",
+      std::isfinite(best)
+          ? absl::StrFormat(" (that of %s, which is known best, within ± %.0f "
+                            "%%)",
+                            pair, 196.0 * best)
+          : "");
 }
 
 // The first pair of an output that a structure which does not explain the
@@ -175,6 +218,8 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
     evidence.not_ageing = NotAgeing(result, i);
+    if (!evidence.not_ageing)
+      evidence.not_ageing = ExplainedByStamps(result, i);
   }
   const EstimateFit& fit = result.estimate.fit;
   evidence.unnamed =
@@ -215,7 +260,7 @@ Evidence GatherEvidence(const CorrectionResult& result,
   evidence.p_value = result.estimate.fit.PValue();
   evidence.nothing_held_out = result.validation.missing;
   evidence.obstacles = result.data.obstacles;
-  evidence.informed = AnyInformed(result.information);
+  evidence.uninformed = WhyUninformed(result);
   if (result.options.examine) evidence.detectable = Detectable(result);
   std::vector<bool> undecidable(result.initial.num_outputs());
   for (const Finding& finding : result.data.findings) {

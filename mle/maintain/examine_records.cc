@@ -102,8 +102,8 @@ Compression Examiner::CompressionOf(int output) const {
     return FindCompression(Rows(true, output), Holding::kNever);
   }
   if (!declared.held) return {};
-  return MeasuredEvery(Rows(true, output),
-                       declared.period / records_.front().sample_time);
+  return HeldBetween(Rows(true, output),
+                     declared.period / records_.front().sample_time);
 }
 
 void Examiner::FindCompressed() {

@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "mle/data/civil_time.h"
+#include "mle/maintain/stamps.h"
 #include "mle/model/element_response.h"
 
 namespace mle {
 namespace {
 
-// By which a tag may be late since it waits for a scan or an average.
-constexpr double kLateSamples = 5.0;
 // Evidence that a proposal must have where nothing won by itself: 5 %, being
 // one hypothesis, not the best of a table.
 constexpr double kLeastEvidence = 3.0;
@@ -30,22 +27,11 @@ constexpr double kSmall = 0.2;
 constexpr double kWorse = 1.2;
 constexpr double kFallen = 1.5;
 
-// The largest change of dead time that a clock may have made, in the model's
-// time unit. Where that is samples, seconds say nothing.
-double MostOfClocks(const CorrectionResult& result) {
-  const double seconds = result.options.decision.clock_error;
-  if (!(seconds > 0.0)) return 0.0;
-  return std::max(
-      seconds / SecondsPerUnit(result.initial.time_unit())
-                    .value_or(std::numeric_limits<double>::infinity()),
-      kLateSamples * result.data.sample_time());
-}
-
 // Beyond what clocks are wrong by, all dead times have changed.
 double BelievedDelay(const CorrectionResult& result,
                      const Competition& competition, int i, int j) {
   const double clock = competition.ClockOf(i, j);
-  return std::abs(clock) > MostOfClocks(result) ? clock : 0.0;
+  return std::abs(clock) > MostOfClock(result, i) ? clock : 0.0;
 }
 
 bool IsClock(ExplanationKind kind) {
@@ -120,12 +106,11 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
       const Eigen::VectorXd from = result.initial_response.element(i, j);
       const std::optional<TransferFunction> element =
           ExplainedElement(result, competition, i, j);
-      aged[j] =
-          element.has_value() &&
-          (element->StepResponse(result.data.sample_time(),
-                                 static_cast<int>(from.size())) -
-           from)
-                  .norm() > result.options.decision.least_change * from.norm();
+      aged[j] = element.has_value() &&
+                (element->StepResponse(result.data.sample_time(),
+                                       static_cast<int>(from.size())) -
+                 from)
+                        .norm() > LeastChange(result, i, j) * from.norm();
     }
   }
   return aged;
@@ -158,6 +143,27 @@ std::string Capitalised(std::string text) {
   return text;
 }
 
+// Whether a clock that is late by so much changes a response of the output, to
+// one input or to all, by more than is worth making.
+bool ClockMatters(const CorrectionResult& result, int i, int input,
+                  double late) {
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    const TransferFunction& element = result.initial.element(i, j);
+    if (element.IsZero() || (input >= 0 && j != input)) continue;
+    const double delay = element.delay() + late;
+    if (delay < 0.0) return true;
+    const Eigen::VectorXd from = result.initial_response.element(i, j);
+    const Eigen::VectorXd to =
+        TransferFunction(element.numerator(), element.denominator(), delay)
+            .StepResponse(result.data.sample_time(),
+                          static_cast<int>(from.size()));
+    if ((to - from).norm() > LeastChange(result, i, j) * from.norm()) {
+      return true;
+    }
+  }
+  return false;
+}
+
 int FirstInput(const ProcessModel& model, int output) {
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (!model.element(output, j).IsZero()) return j;
@@ -183,6 +189,7 @@ std::string Others(const CorrectionResult& result,
       const int j =
           of_output ? FirstInput(result.initial, i) : explanation.index;
       const double late = competition.ClockOf(i, j);
+      if (!ClockMatters(result, i, of_output ? -1 : j, late)) continue;
       absl::StrAppend(
           &text, text.empty() ? "" : " ",
           absl::StrFormat(

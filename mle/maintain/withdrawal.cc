@@ -5,6 +5,7 @@
 #include "Eigen/Core"
 #include "mle/base/status.h"
 #include "mle/maintain/corrected_model.h"
+#include "mle/maintain/stamps.h"
 
 namespace mle {
 namespace {
@@ -23,8 +24,8 @@ void WithdrawSmallChanges(const StepResponse& proposed,
       const double norm = initial.element(i, j).norm();
       const double change =
           (proposed.element(i, j) - initial.element(i, j)).norm();
-      const bool small = change <= result.options.decision.least_change *
-                                       (norm > 0.0 ? norm : largest);
+      const bool small =
+          change <= LeastChange(result, i, j) * (norm > 0.0 ? norm : largest);
       any = any || !small;
       if (small && ProposesElement(estimate, i, j) &&
           !ProposesByArx(estimate, i)) {

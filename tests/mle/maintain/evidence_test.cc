@@ -1,5 +1,6 @@
 #include "mle/maintain/evidence.h"
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -71,6 +72,39 @@ TEST(GatherEvidenceTest, WhatNoAgeingDoesIsDoubted) {
   ASSERT_FALSE(result.information.pairs.empty());
   result.information.pairs[1].state = PairState::kNotInformed;
   EXPECT_EQ(code(), MessageCode::kNotExcited);
+}
+
+// An output that is measured now and then, whose samples may be averages.
+TEST(GatherEvidenceTest, StampsMayBeWhatADeadTimeSeems) {
+  CorrectionResult result = Corrected();
+  ASSERT_TRUE(result.estimate.fit.output_error.aged(1, 0));
+  ParameterEstimate& delay =
+      result.estimate.fit.output_error.corrected.elements[1].delay;
+  delay.value = delay.initial + 2.0;
+  delay.standard_error = 0.1;
+  const auto is_clock = [&] {
+    const auto doubt =
+        GatherEvidence(result, {false, false}, nullptr).outputs[1].not_ageing;
+    return doubt.has_value() && doubt->code == MessageCode::kClock;
+  };
+  EXPECT_FALSE(is_clock());
+  for (Record& record : result.data.records) {
+    for (int k = 0; k < record.samples(); ++k) {
+      if (k % 10 != 0) record.outputs(1, k) = std::nan("");
+    }
+  }
+  EXPECT_TRUE(is_clock());
+  delay.standard_error = 1.5;
+  EXPECT_FALSE(is_clock());
+  delay.standard_error = 0.1;
+  delay.value = delay.initial + 5.5;  // 5 min are between samples
+  EXPECT_FALSE(is_clock());
+  delay.value = delay.initial + 2.0;
+  result.options.decision.clock_error = 0.0;
+  EXPECT_FALSE(is_clock());
+  result.options.decision.clock_error = 120.0;
+  result.data.sampling = {{}, {.period = 5.0}};
+  EXPECT_FALSE(is_clock());
 }
 
 }  // namespace
