@@ -89,6 +89,8 @@ enum class Acceptance {
 // The result of the competition of explanations (mle/explain/competition.h) for
 // an output, where there is a judge.
 struct InstrumentEvidence {
+  // If not, inputs stand for set points, which do not move.
+  bool by_set_points = true;
   // Gains, time constants or dead times won.
   bool ageing = false;
   // Whole sentences on what else won, and on what would win as well; or empty.

@@ -334,6 +334,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   // Inputs stand for set points only where the model has a path from them.
   if (!output.by_set_points && ProposesNewPath(result, i)) return std::nullopt;
   InstrumentEvidence evidence;
+  evidence.by_set_points = output.by_set_points;
   const std::vector<bool> aged = AgedInputs(result, competition, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
   evidence.other = Others(result, competition, i);

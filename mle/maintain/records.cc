@@ -194,6 +194,21 @@ void WarnOfUnrest(const ProcessModel& model, RecordData& data) {
   }
 }
 
+// Whether an input moves at most samples, as a controller moves it, or an
+// experiment.
+bool InputsAlwaysMove(const std::vector<Record>& records) {
+  constexpr double kMost = 0.5;
+  double moves = 0.0;
+  double pairs = 0.0;
+  for (const Record& record : records) {
+    for (int k = 1; k < record.samples(); ++k) {
+      pairs += 1.0;
+      moves += record.inputs.col(k) != record.inputs.col(k - 1) ? 1.0 : 0.0;
+    }
+  }
+  return moves > kMost * pairs;
+}
+
 absl::Status NoWindows(const RecordData& data) {
   std::vector<std::string> files;
   std::vector<std::string> likely;  // set points among what was ignored
@@ -212,9 +227,13 @@ absl::Status NoWindows(const RecordData& data) {
       absl::StrCat(
           "there is nothing to learn from in ",
           files.empty() ? "the records" : absl::StrJoin(files, ", "),
-          ": no set point changes, nor do inputs move that rest otherwise. Set "
-          "points (columns <output>_setpoint) must change, or change_times "
-          "must name the times",
+          InputsAlwaysMove(data.records)
+              ? ": no set point changes, and inputs that move all the time may "
+                "answer disturbances"
+              : ": no set point changes, nor do inputs move that rest "
+                "otherwise",
+          ". Set points (columns <output>_setpoint) must change, or "
+          "change_times must name the times (of an experiment, any in it)",
           likely.empty()
               ? ""
               : absl::StrCat("; of the columns that are ignored ",

@@ -5,11 +5,15 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "Eigen/Core"
+#include "absl/status/statusor.h"
 #include "absl/strings/str_format.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/sampling.h"
+#include "mle/model/process_simulator.h"
 
 namespace mle {
 namespace {
@@ -22,6 +26,14 @@ constexpr int kNowAndThen = 3;
 // in standard errors, which count.
 constexpr double kAlike = 0.3;
 constexpr double kDeviations = 2.0;
+// Shifts that are tried to each side, and by what factor the controller's model
+// may leave more with one than the proposed model leaves; and the share of what
+// this leaves that is far less.
+constexpr int kShifts = 8;
+constexpr double kAsLittle = 1.2;
+constexpr double kFarLess = 0.5;
+// What an estimate makes of an average, in what the average does.
+constexpr double kOfAverage = 1.5;
 
 Sampling DeclaredOf(const CorrectionResult& result, int output) {
   const auto place = static_cast<std::size_t>(output);
@@ -37,21 +49,98 @@ double TimeOfMeasurement(const CorrectionResult& result, int output) {
   return samples >= kNowAndThen ? samples * result.data.sample_time() : 0.0;
 }
 
-// The mean of the response over `width` samples around each, 0 before it and
-// its last value after it.
-Eigen::VectorXd Averaged(const Eigen::VectorXd& response, double width) {
+// The sum of squares that an output leaves of a model's row simulated in the
+// windows, each with an offset, its samples `late` samples after what they are
+// of; NaN where it cannot be simulated.
+double Misfit(const CorrectionResult& result, const ProcessModel& model,
+              int output, double late) {
+  double sum = 0.0;
+  for (const Record& record : result.data.Records()) {
+    const absl::StatusOr<Eigen::MatrixXd> z =
+        SimulateResponse(model, record.sample_time, record.inputs);
+    if (!z.ok()) return std::numeric_limits<double>::quiet_NaN();
+    const double last = record.samples() - 1.0;
+    std::vector<double> residuals;
+    for (int k = 0; k < record.samples(); ++k) {
+      if (!std::isfinite(record.outputs(output, k))) continue;
+      const double at = std::clamp(k - late, 0.0, last);
+      const auto whole = static_cast<Eigen::Index>(at);
+      const double rest = at - static_cast<double>(whole);
+      residuals.push_back(
+          record.outputs(output, k) - (1.0 - rest) * (*z)(output, whole) -
+          rest * (*z)(output, std::min(whole + 1, z->cols() - 1)));
+    }
+    const Eigen::Map<const Eigen::ArrayXd> all(
+        residuals.data(), static_cast<Eigen::Index>(residuals.size()));
+    if (all.size() > 0) sum += (all - all.mean()).square().sum();
+  }
+  return sum;
+}
+
+// By how much the output's samples would have to be late, up to `most`, for the
+// controller's model to leave as little as the proposed one, or for this to
+// leave far less; 0: by nothing.
+double LateInstead(const CorrectionResult& result, int output, double most) {
+  const ProcessModel& proposed =
+      result.estimate.fit.output_error.corrected.model;
+  const double left = Misfit(result, proposed, output, 0.0);
+  double best = 0.0;
+  for (const auto& [model, share] : {std::pair(&result.initial, kAsLittle),
+                                     std::pair(&proposed, kFarLess)}) {
+    if (best != 0.0) break;
+    double least = share * left;
+    for (int step = -kShifts; step <= kShifts; ++step) {
+      const double late = most * step / kShifts;
+      const double misfit =
+          Misfit(result, *model, output, late / result.data.sample_time());
+      if (misfit < least) {
+        least = misfit;
+        best = late;
+      }
+    }
+  }
+  return best;
+}
+
+// What the mean over `width` samples around each takes from a response, which
+// is 0 before it and its last value after it: the norm of the difference.
+double LostByAverage(const Eigen::VectorXd& response, double width) {
   const Eigen::Index n = response.size();
   const auto half = static_cast<Eigen::Index>(std::round(0.5 * width));
-  Eigen::VectorXd means(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
+  const auto at = [&](Eigen::Index k) {
+    return k < 0 ? 0.0 : response[std::min(k, n - 1)];
+  };
+  double lost = 0.0;
+  for (Eigen::Index k = -half; k < n; ++k) {
     double sum = 0.0;
     for (Eigen::Index l = k - half; l <= k + half; ++l) {
-      const double edge = std::abs(l - k) == half ? 0.5 : 1.0;
-      sum += l < 0 ? 0.0 : edge * response[std::min(l, n - 1)];
+      sum += (std::abs(l - k) == half ? 0.5 : 1.0) * at(l);
     }
-    means[k] = sum / (2.0 * static_cast<double>(half));
+    const double mean = sum / (2.0 * static_cast<double>(half));
+    lost += (mean - at(k)) * (mean - at(k));
   }
-  return means;
+  return std::sqrt(lost);
+}
+
+// By how much the proposal makes all dead times of an output longer, alike; 0
+// where it does something else.
+double CommonDelay(const CorrectionResult& result, int output) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (result.initial.element(output, j).IsZero()) continue;
+    const ParameterEstimate& delay =
+        result.estimate.fit.output_error.corrected.element(output, j).delay;
+    const double change = delay.value - delay.initial;
+    const bool counts = result.estimate.fit.output_error.aged(output, j) &&
+                        std::abs(change) > kDeviations * delay.standard_error;
+    lowest = std::min(lowest, counts ? change : 0.0);
+    highest = std::max(highest, counts ? change : 0.0);
+  }
+  const double largest = std::max(std::abs(lowest), std::abs(highest));
+  const bool alike =
+      lowest * highest > 0.0 && highest - lowest <= kAlike * largest;
+  return alike ? 0.5 * (lowest + highest) : 0.0;
 }
 
 }  // namespace
@@ -74,7 +163,7 @@ double LeastChange(const CorrectionResult& result, int output, int input) {
       result.initial_response.element(output, input);
   if (!(width >= 1.0) || !(response.norm() > 0.0)) return least;
   return std::max(
-      least, (Averaged(response, width) - response).norm() / response.norm());
+      least, kOfAverage * LostByAverage(response, width) / response.norm());
 }
 
 std::optional<Message> ExplainedByStamps(const CorrectionResult& result,
@@ -82,35 +171,23 @@ std::optional<Message> ExplainedByStamps(const CorrectionResult& result,
   const double most = result.options.decision.clock_error > 0.0
                           ? TimeOfMeasurement(result, output)
                           : 0.0;
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (result.initial.element(output, j).IsZero()) continue;
-    const ParameterEstimate& delay =
-        result.estimate.fit.output_error.corrected.element(output, j).delay;
-    const double change = delay.value - delay.initial;
-    const bool counts = result.estimate.fit.output_error.aged(output, j) &&
-                        std::abs(change) > kDeviations * delay.standard_error;
-    lowest = std::min(lowest, counts ? change : 0.0);
-    highest = std::max(highest, counts ? change : 0.0);
-  }
-  const double largest = std::max(std::abs(lowest), std::abs(highest));
-  if (!(largest <= most) || !(lowest * highest > 0.0) ||
-      highest - lowest > kAlike * largest) {
-    return std::nullopt;
-  }
+  if (most == 0.0) return std::nullopt;
+  double late = CommonDelay(result, output);
+  if (!(std::abs(late) <= most)) late = 0.0;
+  if (late == 0.0) late = LateInstead(result, output, most);
+  if (late == 0.0) return std::nullopt;
   const std::string& name = result.initial.outputs()[output].name;
   const std::string& unit = result.initial.time_unit();
   return Message{
       MessageCode::kClock,
       name,
       absl::StrFormat(
-          "All dead times of %s would be %.2g %s %s, no more than the %.3g %s "
-          "in which it is measured once: its samples may be stamped late or "
-          "early, or be averages. Declare its sampling (late_by, average) in "
-          "the model or the file of tags.",
-          name, 0.5 * std::abs(lowest + highest), unit,
-          lowest > 0.0 ? "longer" : "shorter", most, unit),
+          "The samples of %s seem to be %.2g %s too %s, no more than the %.3g "
+          "%s in which it is measured once: they may be stamped so, or be "
+          "averages, or all its dead times have changed. Declare its sampling "
+          "(late_by, average) in the model or the file of tags.",
+          name, std::abs(late), unit, late > 0.0 ? "late" : "early", most,
+          unit),
       {"clock_error"}};
 }
 

@@ -21,9 +21,10 @@ double MostOfClock(const CorrectionResult& result, int output);
 // DecisionOptions::least_change, or what the declared average does to it.
 double LeastChange(const CorrectionResult& result, int output, int input);
 
-// A message where the proposal for an output that is measured now and then
-// makes all its dead times longer, or shorter, by no more than its stamps may
-// be wrong: they are as likely.
+// A message where stamps that are wrong by no more than the time in which an
+// output is measured once do what the proposal for it does: it makes all dead
+// times longer, or shorter, alike, or leaves no less than the controller's
+// model with its samples shifted.
 std::optional<Message> ExplainedByStamps(const CorrectionResult& result,
                                          int output);
 
