@@ -101,34 +101,6 @@ def unmeasured_feedforward(trial):
         "answered": trial.about(0.8, 1.3)}
 
 
-def averages(trial, at_end):
-    """All tags are means over a third of a time constant, stamped at its end or beginning; set
-    points are what holds at the stamp."""
-    period = trial.plant.control_period
-    length = max(2, round(trial.about(0.3, 1.3) * trial.time_constant / period))
-    samples = length * round(period / trial.plant.sample_time)
-
-    def change(case):
-        columns = case.columns
-        blocks = range(0, len(columns["time"]) - samples, samples)
-        for name in columns:
-            values = columns[name]
-            if name == "time" or name.endswith("_setpoint"):
-                columns[name] = [values[k + samples if at_end else k] for k in blocks]
-                continue
-            numbers = [float(value) for value in values]
-            columns[name] = [repr(math.fsum(numbers[k:k + samples]) / samples) for k in blocks]
-    trial.spoil.append(change)
-
-
-def averages_at_end(trial):
-    averages(trial, True)
-
-
-def averages_at_start(trial):
-    averages(trial, False)
-
-
 def third_order(trial):
     """Three equal lags; the model is the best of first order, by least squares of the step
     responses (0.667 and 0.374 of the sum of lags)."""
@@ -227,17 +199,9 @@ def recalibration(trial):
     output_steps(trial, [trial.random.uniform(0.25, 0.75)], signed(trial, 0.5))
 
 
-def manual(trial, names, start, length, change):
-    """Inputs in manual, times in parts of the record."""
-    duration = trial.duration()
-    for name in names:
-        trial.input(name).setdefault("manual", []).append(
-            [start * duration, (start + length) * duration, change * trial.sizes[name]])
-
-
 def controller_off(trial):
     start = trial.random.uniform(0.2, 0.5)
-    manual(trial, trial.moved, start, 1 / 3, 0.0)
+    effects.manual(trial, trial.moved, start, 1 / 3, 0.0)
     # While it is off nobody moves its set points.
     trial.set_points = [change for change in trial.changes()
                         if not start <= change[1] / trial.duration() <= start + 1 / 3 + 0.02]
@@ -245,13 +209,13 @@ def controller_off(trial):
 
 def input_overrides(trial):
     for k in range(3):
-        manual(trial, [trial.any_moved()], (k + trial.random.uniform(0.2, 0.6)) / 3,
+        effects.manual(trial, [trial.any_moved()], (k + trial.random.uniform(0.2, 0.6)) / 3,
                trial.random.uniform(0.04, 0.08), signed(trial, 0.4))
 
 
 def shutdown(trial):
     start = trial.random.uniform(0.3, 0.6)
-    manual(trial, trial.moved, start, trial.about(0.1), -trial.about(2))
+    effects.manual(trial, trial.moved, start, trial.about(0.1), -trial.about(2))
 
 
 def set_point_overrides(trial):
@@ -392,9 +356,9 @@ FAMILIES = {
     "feed with set points": Family(feed_with_set_points, ("load_with_set_points", "missing")),
     "unmeasured feedforward": Family(unmeasured_feedforward, ("load_with_set_points", "missing")),
     "averages stamped at their end": Family(
-        averages_at_end, ("averaged", "output_clock", "input_clock")),
+        effects.averages_at_end, ("averaged", "output_clock", "input_clock")),
     "averages stamped at their start": Family(
-        averages_at_start, ("averaged", "output_clock", "input_clock")),
+        effects.averages_at_start, ("averaged", "output_clock", "input_clock")),
     "third order": Family(third_order, ("higher_order",)),
     "late output": Family(late_output, ("output_clock",)),
     "late input": Family(late_input, ("input_clock",)),

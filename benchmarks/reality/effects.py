@@ -6,6 +6,7 @@ no scenario is ever the same twice and all plants are treated alike.
 """
 
 import cmath
+import math
 
 import plants
 
@@ -328,6 +329,114 @@ def slow_sampling(trial):
     trial.flags["prediction_horizon"] = trial.plant.horizon // 2
 
 
+def manual(trial, names, start, length, change):
+    """Inputs in manual, times in parts of the record."""
+    duration = trial.duration()
+    for name in names:
+        trial.input(name).setdefault("manual", []).append(
+            [start * duration, (start + length) * duration, change * trial.sizes[name]])
+
+
+def averages(trial, at_end, declared=False):
+    """All tags are means over a third of a time constant, stamped at its end or beginning; set
+    points are what holds at the stamp. Where it is declared, the model says so."""
+    period = trial.plant.control_period
+    length = max(2, round(trial.about(0.3, 1.3) * trial.time_constant / period))
+    samples = length * round(period / trial.plant.sample_time)
+
+    def change(case):
+        columns = case.columns
+        blocks = range(0, len(columns["time"]) - samples, samples)
+        for name in columns:
+            values = columns[name]
+            if name == "time" or name.endswith("_setpoint"):
+                columns[name] = [values[k + samples if at_end else k] for k in blocks]
+                continue
+            numbers = [float(value) for value in values]
+            columns[name] = [repr(math.fsum(numbers[k:k + samples]) / samples) for k in blocks]
+        for channel in (case.model["inputs"] + case.model["outputs"]) * declared:
+            channel["sampling"] = {"average": length * period,
+                                   "stamp": "end" if at_end else "start"}
+    trial.spoil.append(change)
+
+
+def averages_at_end(trial):
+    averages(trial, True)
+
+
+def averages_at_start(trial):
+    averages(trial, False)
+
+
+def declared_averages_at_end(trial):
+    averages(trial, True, declared=True)
+
+
+def declared_averages_at_start(trial):
+    averages(trial, False, declared=True)
+
+
+def measured_every(trial, samples, held):
+    """Outputs are measured every so many samples, to within a thousandth of a step, and held, or
+    the fields between are empty."""
+    trial.rounds = 4
+
+    def change(case):
+        for name in trial.outputs:
+            values = case.columns[name]
+            digits = 3 - math.floor(math.log10(trial.steps[name]))
+            values = [f"{float(value):.{digits}f}" for value in values]
+            case.columns[name] = [values[k - k % samples] if held or k % samples == 0 else ""
+                                  for k in range(len(values))]
+    trial.spoil.append(change)
+
+
+def laboratory(trial, held):
+    """A sample in about a time constant, as every four hours of a slow column."""
+    measured_every(trial, round(trial.about(1) * trial.time_constant / trial.plant.sample_time),
+                   held)
+
+
+def laboratory_empty(trial):
+    laboratory(trial, held=False)
+
+
+def laboratory_held(trial):
+    laboratory(trial, held=True)
+
+
+def analyser_10(trial):
+    measured_every(trial, 10, held=True)
+
+
+def analyser_30(trial):
+    measured_every(trial, 30, held=True)
+
+
+def by_hand(trial):
+    """An input is put in manual and moved three times, as its mode says."""
+    name = trial.any_moved()
+    for k in range(3):
+        manual(trial, [name], (k + trial.random.uniform(0.2, 0.6)) / 3,
+               trial.random.uniform(0.04, 0.08),
+               trial.random.choice((-1, 1)) * trial.about(0.4))
+    periods = [period[:2] for period in trial.input(name)["manual"]]
+
+    def change(case):
+        case.columns["mode"] = [
+            "MAN" if any(begin <= float(time) < end for begin, end in periods) else "CAS"
+            for time in case.columns["time"]]
+    trial.spoil.append(change)
+    trial.correct["mode_tag"] = f"mode={name}"
+
+
+def limited_moves(trial):
+    """Inputs reach limits while they move, and not where they come to rest."""
+    limits = [trial.random.uniform(1.05, 1.3) * trial.sizes[name] for name in trial.inputs]
+    trial.flags["max_input"] = ",".join(f"{limit:.6g}" for limit in limits)
+    trial.flags["min_input"] = ",".join(f"{-limit:.6g}" for limit in limits)
+
+
 def white_and_walk(trial):
     white_large(trial)
     drift(trial)
@@ -386,11 +495,21 @@ EFFECTS = {
     "dead sensor": dead_sensor,
     "clipped sensor": clipped_sensor,
     "inputs at limits": limited_inputs,
+    "inputs at limits while they move": limited_moves,
     "ramps": ramps,
     "optimiser and steps": optimiser,
     "optimiser alone": optimiser_only,
     "fast sampling": fast_sampling,
     "slow sampling": slow_sampling,
+    "averages stamped at their end": averages_at_end,
+    "averages stamped at their start": averages_at_start,
+    "averages stamped at their end, declared": declared_averages_at_end,
+    "averages stamped at their start, declared": declared_averages_at_start,
+    "laboratory": laboratory_empty,
+    "laboratory, held": laboratory_held,
+    "analyser, 10 samples": analyser_10,
+    "analyser, 30 samples": analyser_30,
+    "by hand, with a mode": by_hand,
     "many things": everything,
 }
 

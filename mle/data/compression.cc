@@ -251,7 +251,7 @@ double PeriodOf(std::vector<double> distances) {
 // phase, at which the same value was measured again.
 void TakeMeasured(const std::vector<SampleRow>& rows, const Changes& changes,
                   double period, Compression& found) {
-  const auto whole = static_cast<int>(std::round(period));
+  const auto whole = std::max(static_cast<int>(std::round(period)), 1);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     std::vector<int> phases(whole, 0);
     for (const int at : changes.at[r]) ++phases[at % whole];
@@ -311,6 +311,18 @@ void FindHolds(const std::vector<SampleRow>& rows, double scale,
   }
 }
 
+void CountArchived(const std::vector<SampleRow>& rows, Compression& found) {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (Eigen::Index k = 0; k < rows[r].size(); ++k) {
+      if (!std::isfinite(rows[r](k))) continue;
+      ++found.samples;
+      const bool made_up =
+          found.kind != Compression::Kind::kNone && found.interpolated[r][k];
+      found.archived += made_up ? 0 : 1;
+    }
+  }
+}
+
 }  // namespace
 
 double Compression::ArchivedShare() const {
@@ -327,15 +339,17 @@ Compression FindCompression(const std::vector<SampleRow>& rows, Holding own) {
           : FindLines(rows, kDouble * scale, kExact, false, found) ||
                 FindLines(rows, kSingle * scale, kExact, true, found);
   if (!lines && own == Holding::kNever) FindHolds(rows, scale, found);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (Eigen::Index k = 0; k < rows[r].size(); ++k) {
-      if (!std::isfinite(rows[r](k))) continue;
-      ++found.samples;
-      const bool made_up =
-          found.kind != Compression::Kind::kNone && found.interpolated[r][k];
-      found.archived += made_up ? 0 : 1;
-    }
-  }
+  CountArchived(rows, found);
+  return found;
+}
+
+Compression HeldBetween(const std::vector<SampleRow>& rows, double period) {
+  Compression found;
+  found.kind = Compression::Kind::kHeld;
+  found.is_sampled = true;
+  TakeMeasured(rows, ChangesOf(rows, kDouble * ScaleOfRows(rows)), period,
+               found);
+  CountArchived(rows, found);
   return found;
 }
 

@@ -46,6 +46,9 @@ enum class Holding { kNever, kByItself };
 // Finds how one channel was compressed; `rows`: its samples in each record.
 Compression FindCompression(const std::vector<SampleRow>& rows, Holding own);
 
+// Of a channel that is known to be measured every `period` samples and held.
+Compression HeldBetween(const std::vector<SampleRow>& rows, double period);
+
 }  // namespace mle
 
 #endif  // MLE_DATA_COMPRESSION_H_

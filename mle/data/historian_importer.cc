@@ -12,19 +12,13 @@
 #include "mle/data/civil_time.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/joined_files.h"
-#include "mle/data/sampling.h"
 
 namespace mle {
 namespace {
 
 constexpr std::size_t kMaxGaps = 100;
-constexpr double kDefaultGapSteps = 5.0;
-// A Δt finer than this share of the files' step invents its samples.
-constexpr double kMaxRefinement = 50.0;
 // Rows this much farther apart than usual leave a gap.
 constexpr double kGapSteps = 1.9;
-// Rows have a usual spacing if this share of them are multiples of it apart.
-constexpr double kMostlyEven = 0.9;
 // Steps from one sample to the next of outputs that are points.
 constexpr double kPointSteps = 3.0;
 constexpr std::int64_t kRowsOfProgress = 1000;
@@ -80,65 +74,6 @@ absl::Status HistorianImporter::Probe(
     import_.report.time_zone = probes_[0].clock.time_zone;
   }
   return ChooseSampleTime(steps);
-}
-
-absl::Status HistorianImporter::ChooseSampleTime(
-    const std::vector<double>& steps) {
-  HistorianReport& report = import_.report;
-  if (steps.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name, ": ",
-        CsvLineName(2, probes_[0].source.is_table),
-        ", column 1: no row is later than the one before it; a record needs at "
-        "least 2 rows at different times"));
-  }
-  report.step = UsualStep(steps);
-  report.sample_time =
-      options_.sample_time > 0.0 ? options_.sample_time : report.step;
-  MLE_RETURN_IF_ERROR(ChooseStepOfExceptions(steps));
-  if (report.step > kMaxRefinement * report.sample_time) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name, ": sample_time is ", report.sample_time,
-        ", but rows are ", report.step, " apart; it must be at least ",
-        report.step / kMaxRefinement, ", better not below ", report.step));
-  }
-  max_gap_ = options_.max_gap >= 0.0
-                 ? options_.max_gap
-                 : kDefaultGapSteps * std::max(report.step, report.sample_time);
-  return absl::OkStatus();
-}
-
-// Rows that come when something changes have no usual spacing: nothing has
-// changed between them, so that any step will do, but it must be said.
-absl::Status HistorianImporter::ChooseStepOfExceptions(
-    const std::vector<double>& steps) {
-  HistorianReport& report = import_.report;
-  const bool is_unchanged = std::any_of(
-      probes_.begin(), probes_.end(),
-      [](const HistorianProbe& probe) { return probe.is_unchanged; });
-  if (!is_unchanged) return absl::OkStatus();
-  const auto even = std::count_if(steps.begin(), steps.end(), [&](double step) {
-    const double multiple = std::round(step / report.step);
-    return multiple >= 1.0 &&
-           std::abs(step - multiple * report.step) <= 0.01 * report.step;
-  });
-  if (static_cast<double>(even) >=
-      kMostlyEven * static_cast<double>(steps.size())) {
-    return absl::OkStatus();
-  }
-  if (!(options_.sample_time > 0.0)) {
-    return OptionError(
-        "sample_time",
-        absl::StrCat(probes_[0].source.name,
-                     ": rows come when something changes, from ",
-                     *std::min_element(steps.begin(), steps.end()), " to ",
-                     *std::max_element(steps.begin(), steps.end()),
-                     " apart; declare the sample time of the records, such as "
-                     "sample_time = ",
-                     report.step));
-  }
-  report.step = options_.sample_time;
-  return absl::OkStatus();
 }
 
 // An error for a row that does not follow the last, or `skip`.
@@ -397,15 +332,16 @@ Resampler HistorianImporter::Begin() {
   is_there_.resize(num_values());
   good_.resize(num_values());
   collector_.emplace(MakeCollectorOptions(), sink_);
-  Resampler resampler(
-      {.sample_time = import_.report.sample_time,
-       .step = import_.report.step,
-       .max_gap = max_gap_,
-       .num_outputs = channels_.num_outputs(),
-       .num_inputs = channels_.num_inputs()},
-      [this](bool begins, double time, const std::vector<double>& values) {
-        collector_->Add(begins, time, values);
-      });
+  ResamplerOptions resampling = {.sample_time = import_.report.sample_time,
+                                 .step = import_.report.step,
+                                 .max_gap = max_gap_,
+                                 .num_outputs = channels_.num_outputs(),
+                                 .num_inputs = channels_.num_inputs()};
+  Declare(resampling);
+  Resampler resampler(resampling, [this](bool begins, double time,
+                                         const std::vector<double>& values) {
+    collector_->Add(begins, time, values);
+  });
   import_.report.averaged = resampler.averages();
   return resampler;
 }
@@ -417,6 +353,7 @@ absl::StatusOr<HistorianImport> HistorianImporter::End(Resampler& resampler) {
   MLE_RETURN_IF_ERROR(CheckChannels());
   NoteSamples();
   NoteIgnoredRows();
+  NoteDeclared();
   Warn();
   return std::move(import_);
 }

@@ -43,6 +43,11 @@ class HistorianImporter {
   absl::Status Probe(const std::vector<HistorianSource>& sources);
   absl::Status ChooseSampleTime(const std::vector<double>& steps);
   absl::Status ChooseStepOfExceptions(const std::vector<double>& steps);
+  // What is declared of each value, and is a mean over what lies between rows.
+  void Declare(ResamplerOptions& resampler) const;
+  bool IsMeanOfStep(const Sampling& sampling) const;
+  bool IsPoint(int output) const;
+  void NoteDeclared();
   Resampler Begin();
   absl::StatusOr<HistorianImport> End(Resampler& resampler);
   absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -141,7 +143,8 @@ absl::Status HistorianImporter::CheckChannels() {
 
 void HistorianImporter::Warn() {
   HistorianReport& report = import_.report;
-  if (report.step > kCoarse * report.sample_time) {
+  if (options_.sample_time > 0.0 &&
+      report.step > kCoarse * report.sample_time) {
     report.warnings.push_back(absl::StrCat(
         "rows are ", report.step, " apart, more than the sample time ",
         report.sample_time,
@@ -154,8 +157,13 @@ void HistorianImporter::Warn() {
                      " single samples between long gaps are "
                      "left out"));
   }
+  // What is measured now and then is missing in between.
+  std::set<std::string> points;
+  for (int i = 0; i < channels_.num_outputs(); ++i) {
+    if (IsPoint(i)) points.insert(channels_.outputs()[i].name);
+  }
   for (const ChannelReport& channel : report.channels) {
-    if (channel.missing > 0) {
+    if (channel.missing > 0 && !points.contains(channel.name)) {
       report.warnings.push_back(absl::StrCat("'", channel.name, "' has ",
                                              channel.missing,
                                              " samples that stay bad"));

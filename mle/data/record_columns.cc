@@ -371,6 +371,29 @@ bool IsSetPointTag(std::string_view tag) {
          folded.ends_with("_sv") || folded.ends_with(".sv");
 }
 
+namespace {
+
+template <typename Channel>
+Sampling DeclaredOf(const Channel& channel,
+                    const std::vector<TagMapping>& tags) {
+  for (const TagMapping& tag : tags) {
+    if (tag.channel == channel.name && tag.sampling) return *tag.sampling;
+  }
+  return channel.sampling;
+}
+
+}  // namespace
+
+Sampling SamplingOf(const OutputChannel& output,
+                    const std::vector<TagMapping>& tags) {
+  return DeclaredOf(output, tags);
+}
+
+Sampling SamplingOf(const InputChannel& input,
+                    const std::vector<TagMapping>& tags) {
+  return DeclaredOf(input, tags);
+}
+
 absl::Status ColumnOptions::Validate(const ProcessModel& channels) const {
   MLE_ASSIGN_OR_RETURN(const std::vector<RecordColumn> known,
                        ColumnsOf(channels));

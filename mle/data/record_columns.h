@@ -4,6 +4,7 @@
 #define MLE_DATA_RECORD_COLUMNS_H_
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,7 +53,15 @@ struct TagMapping {
   double scale = 1.0;   // not 0: channel = scale × column + offset
   double offset = 0.0;
   std::string place = {};  // where it is written, for messages: a file, a line
+  // In place of what the model declares of an input or output.
+  std::optional<Sampling> sampling = {};
 };
+
+// What is declared of an output or input: by its tag, else by the model.
+Sampling SamplingOf(const OutputChannel& output,
+                    const std::vector<TagMapping>& tags);
+Sampling SamplingOf(const InputChannel& input,
+                    const std::vector<TagMapping>& tags);
 
 struct ColumnOptions {
   // Two columns are named with a plus between them: "date+time".

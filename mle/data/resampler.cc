@@ -27,9 +27,19 @@ Resampler::Resampler(const ResamplerOptions& options, Sink sink)
       split_((options.max_gap + kUsual * options.step) / options.sample_time),
       averages_(kAverageFrom * step_ <= 1.0),
       num_values_(2 * options.num_outputs + options.num_inputs),
+      late_(num_values_, 0.0),
+      is_point_(num_values_, false),
       empty_{std::vector<double>(num_values_, 0.0),
              std::vector<double>(num_values_, 0.0)},
-      sample_(num_values_) {}
+      sample_(num_values_) {
+  for (std::size_t v = 0; v < options_.late.size(); ++v) {
+    const double late = options_.late[v] / options_.sample_time;
+    const double nearest = std::round(late);
+    late_[v] = std::abs(late - nearest) <= kSampleSnap ? nearest : late;
+    latest_ = std::max(latest_, late_[v]);
+  }
+  if (!options_.is_point.empty()) is_point_ = options_.is_point;
+}
 
 void Resampler::Begin(double time, const std::vector<double>& values) {
   has_row_ = true;
@@ -38,7 +48,7 @@ void Resampler::Begin(double time, const std::vector<double>& values) {
   at_ = 0.0;
   next_ = 0.0;
   last_ = values;
-  if (!averages_) SetOutputs(0.0, values);
+  SetOutputs(0.0, values);
 }
 
 void Resampler::Add(double time, const std::vector<double>& values) {
@@ -60,7 +70,7 @@ void Resampler::Add(double time, const std::vector<double>& values) {
   AddSegment(at, &values);
   at_ = at;
   last_ = values;
-  EmitUpTo(at);
+  EmitUpTo(at - latest_);
 }
 
 void Resampler::Finish() {
@@ -85,65 +95,72 @@ void Resampler::AddSegment(double to, const std::vector<double>* values) {
   const double reach = is_usual ? to - at_ : std::min(step_, to - at_);
   AddPiece(at_, at_ + reach, 0.0, 2 * p, num_values_, last_);
   if (averages_) AddPiece(at_, at_ + 0.5 * reach, 0.5, 0, p, last_);
-  AddPoints(to, values, is_usual);
+  AddSetPoints(to, is_usual);
   if (values == nullptr) return;
+  if (!averages_ && is_usual) AddBetween(to, *values);
   // A gap's samples are given away before the row after it takes its own.
-  if (!is_usual) EmitUpTo(to - 1.0);
+  if (!is_usual) EmitUpTo(to - 1.0 - latest_);
   if (averages_) AddPiece(to - 0.5 * reach, to, 0.5, 0, p, *values);
-  if (!averages_) SetOutputs(to, *values);
+  SetOutputs(to, *values);
 }
 
-// `values` hold in [from, to); sample k is the mean over [k, k+1) − shift.
+// `values` hold in [from, to), by their stamps; sample k is the mean over
+// [k, k+1) − shift.
 void Resampler::AddPiece(double from, double to, double shift, int first,
                          int last, const std::vector<double>& values) {
-  from += shift;
-  to += shift;
-  for (double k = std::max(std::floor(from), next_); k < to; k += 1.0) {
-    const double weight = std::min(to, k + 1.0) - std::max(from, k);
-    if (!(weight > 0.0)) continue;
-    Cell& cell = CellAt(k);
-    for (int v = first; v < last; ++v) {
-      if (std::isnan(values[v])) continue;
+  for (int v = first; v < last; ++v) {
+    if (is_point_[v] || std::isnan(values[v])) continue;
+    const double begin = from + shift - late_[v];
+    const double end = to + shift - late_[v];
+    for (double k = std::max(std::floor(begin), next_); k < end; k += 1.0) {
+      const double weight = std::min(end, k + 1.0) - std::max(begin, k);
+      if (!(weight > 0.0)) continue;
       // A single row that fills the sample is it, to the last bit.
+      Cell& cell = CellAt(k);
       cell.sum[v] += weight * values[v];
       cell.weight[v] += weight;
     }
   }
 }
 
-// Set points, and outputs that are no means, at the samples from the last row
-// on; an output at the next row itself belongs to that.
-void Resampler::AddPoints(double to, const std::vector<double>* values,
-                          bool is_usual) {
+void Resampler::Set(double sample, int value, double to) {
+  if (std::isnan(to) || sample < next_) return;
+  Cell& cell = CellAt(sample);
+  cell.sum[value] = to;
+  cell.weight[value] = 1.0;
+}
+
+// Set points at the samples from the last row on.
+void Resampler::AddSetPoints(double to, bool is_usual) {
   const int p = options_.num_outputs;
   const double held_until = is_usual ? to : std::min(to, at_ + step_);
   for (double k = std::max(std::ceil(at_), next_);
        k < held_until || (k == at_ && k < to); k += 1.0) {
-    Cell& cell = CellAt(k);
-    for (int v = p; v < 2 * p; ++v) {
-      if (std::isnan(last_[v])) continue;
-      cell.sum[v] = last_[v];
-      cell.weight[v] = 1.0;
-    }
-    if (averages_ || values == nullptr || !is_usual || k == at_) continue;
-    const double share = (k - at_) / (to - at_);
-    for (int v = 0; v < p; ++v) {
-      const double between = last_[v] + share * ((*values)[v] - last_[v]);
-      if (std::isnan(between)) continue;
-      cell.sum[v] = between;
-      cell.weight[v] = 1.0;
+    for (int v = p; v < 2 * p; ++v) Set(k, v, last_[v]);
+  }
+}
+
+// Outputs that are no means, at the samples between the last row and the next.
+void Resampler::AddBetween(double to, const std::vector<double>& values) {
+  for (int v = 0; v < options_.num_outputs; ++v) {
+    if (is_point_[v]) continue;
+    const double begin = at_ - late_[v];
+    for (double k = std::floor(begin) + 1.0; k < to - late_[v]; k += 1.0) {
+      const double share = (k - begin) / (to - at_);
+      Set(k, v, last_[v] + share * (values[v] - last_[v]));
     }
   }
 }
 
-// Outputs of a row that stands at a sample.
+// Outputs of a row that stands at a sample, or is taken for the nearest.
 void Resampler::SetOutputs(double at, const std::vector<double>& values) {
-  if (at != std::floor(at) || at < next_) return;
-  Cell& cell = CellAt(at);
   for (int v = 0; v < options_.num_outputs; ++v) {
-    if (std::isnan(values[v])) continue;
-    cell.sum[v] = values[v];
-    cell.weight[v] = 1.0;
+    const double sample = at - late_[v];
+    if (is_point_[v]) {
+      Set(std::round(sample), v, values[v]);
+    } else if (!averages_ && sample == std::floor(sample)) {
+      Set(sample, v, values[v]);
+    }
   }
 }
 

@@ -17,6 +17,10 @@ struct ResamplerOptions {
   double max_gap = 0.0;      // rows missing for longer end a record
   int num_outputs = 0;       // p
   int num_inputs = 0;        // m
+  // By value (2p + m), or empty: by how much its stamps are late, and whether
+  // it is measured at single rows, each of which is the sample nearest to it.
+  std::vector<double> late = {};
+  std::vector<bool> is_point = {};
 };
 
 class Resampler {
@@ -47,8 +51,10 @@ class Resampler {
   void AddSegment(double to, const std::vector<double>* values);
   void AddPiece(double from, double to, double shift, int first, int last,
                 const std::vector<double>& values);
-  void AddPoints(double to, const std::vector<double>* values, bool is_usual);
+  void AddSetPoints(double to, bool is_usual);
+  void AddBetween(double to, const std::vector<double>& values);
   void SetOutputs(double at, const std::vector<double>& values);
+  void Set(double sample, int value, double to);
   Cell& CellAt(double index);
   void EmitUpTo(double end);
 
@@ -58,6 +64,9 @@ class Resampler {
   double split_;  // rows farther apart are of two records
   bool averages_;
   int num_values_;
+  std::vector<double> late_;  // samples
+  std::vector<bool> is_point_;
+  double latest_ = 0.0;
 
   bool has_row_ = false;
   bool begins_ = false;

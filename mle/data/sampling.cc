@@ -1,6 +1,8 @@
 #include "mle/data/sampling.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/number_range.h"
@@ -41,6 +43,23 @@ absl::Status ValidateNoiseVariance(double noise_variance) {
 
 int SampleCount(double sample_time, double duration) {
   return static_cast<int>(std::floor(duration / sample_time + 1e-6)) + 1;
+}
+
+int MeasuredEvery(const std::vector<Record>& records, int output) {
+  std::vector<int> distances;
+  for (const Record& record : records) {
+    int last = -1;
+    for (int k = 0; k < record.samples(); ++k) {
+      if (!std::isfinite(record.outputs(output, k))) continue;
+      if (last >= 0) distances.push_back(k - last);
+      last = k;
+    }
+  }
+  if (distances.empty()) return 0;
+  const auto middle =
+      distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
 }
 
 double UsualStep(const std::vector<double>& steps) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "mle/data/record.h"
 
 namespace mle {
 
@@ -18,6 +19,10 @@ absl::Status ValidateNoiseVariance(double noise_variance);
 // Samples at 0, Δt, … up to `duration`, which counts as reached where it is
 // missed by less than 1e-6 Δt. For what ValidateSampling() accepts.
 int SampleCount(double sample_time, double duration);
+
+// The usual distance of the samples of an output that are measured, in samples:
+// 1, or more of a laboratory's; 0 where none follows another.
+int MeasuredEvery(const std::vector<Record>& records, int output);
 
 // The usual distance between the rows of a file, of steps above 0, at least
 // one: the mean of those near the median, rounded to as few digits as keep it

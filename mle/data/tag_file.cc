@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -23,9 +24,23 @@ namespace mle {
 namespace {
 
 constexpr std::size_t kShownTagFaults = 20;
-enum Field { kTag, kChannel, kScale, kOffset, kUnit, kFoundUnit, kNumFields };
+enum Field {
+  kTag,
+  kChannel,
+  kScale,
+  kOffset,
+  kUnit,
+  kFoundUnit,
+  kPeriod,
+  kHeld,
+  kLateBy,
+  kAverage,
+  kStamp,
+  kNumFields
+};
 constexpr std::array<std::string_view, kNumFields> kFieldNames = {
-    "tag", "channel", "scale", "offset", "unit", "unitinthefile"};
+    "tag",    "channel", "scale",   "offset",  "unit", "unitinthefile",
+    "period", "held",    "late_by", "average", "stamp"};
 
 // Channels by name, with their units.
 std::map<std::string, std::string> UnitsOf(const ProcessModel& channels) {
@@ -44,7 +59,11 @@ class TagFile {
  public:
   TagFile(const std::string& source, const ProcessModel& channels)
       : source_(source), units_(UnitsOf(channels)) {
+    columns_.fill(-1);
     for (const auto& [name, unit] : units_) names_.push_back(name);
+    for (const InputChannel& input : channels.inputs()) {
+      inputs_.insert(input.name);
+    }
   }
 
   absl::StatusOr<TagTable> Parse(const std::string& text);
@@ -54,6 +73,7 @@ class TagFile {
   void ParseRow(const CsvRows& rows);
   std::string_view At(Field field) const;
   double Number(Field field, double otherwise);
+  std::optional<Sampling> DeclaredSampling(const std::string& channel);
   void Fault(const std::string& what) {
     faults_.push_back(absl::StrCat("line ", line_, ": ", what));
   }
@@ -61,7 +81,8 @@ class TagFile {
   const std::string& source_;
   std::map<std::string, std::string> units_;
   std::vector<std::string> names_;
-  std::array<int, kNumFields> columns_ = {-1, -1, -1, -1, -1, -1};
+  std::set<std::string> inputs_;
+  std::array<int, kNumFields> columns_;
   std::vector<std::string_view> fields_;
   int line_ = 0;
   std::map<std::string, int> tags_;  // and the line of each
@@ -89,6 +110,52 @@ double TagFile::Number(Field field, double otherwise) {
   return number;
 }
 
+// What the fields of a row declare; none where all are empty.
+std::optional<Sampling> TagFile::DeclaredSampling(const std::string& channel) {
+  bool is_declared = false;
+  for (const Field field : {kPeriod, kHeld, kLateBy, kAverage, kStamp}) {
+    is_declared = is_declared || !At(field).empty();
+  }
+  if (!is_declared) return std::nullopt;
+  Sampling sampling;
+  sampling.period = Number(kPeriod, 0.0);
+  sampling.late_by = Number(kLateBy, 0.0);
+  sampling.average = Number(kAverage, 0.0);
+  const std::string held = FoldedName(At(kHeld));
+  sampling.held = held == "yes" || held == "true" || held == "1";
+  if (!sampling.held && !held.empty() && held != "no" && held != "false" &&
+      held != "0") {
+    Fault(absl::StrCat("held is ", QuotedCsvText(At(kHeld)),
+                       ", must be yes, no or empty"));
+  }
+  const std::string stamp = FoldedName(At(kStamp));
+  sampling.stamped_at_end = stamp == "end";
+  if (!stamp.empty() && stamp != "start" && stamp != "end") {
+    Fault(absl::StrCat("stamp is ", QuotedCsvText(At(kStamp)),
+                       ", must be start or end"));
+  }
+  if (sampling.period < 0.0 || sampling.average < 0.0) {
+    Fault("period and average must be greater than 0, or empty");
+  }
+  if (sampling.held && sampling.period == 0.0) {
+    Fault("held needs a period: how often it is measured");
+  }
+  if ((sampling.average == 0.0) != stamp.empty()) {
+    Fault(
+        "average, the time that means are over, and stamp (start or end of "
+        "it) are needed together");
+  }
+  if (IsSetPointName(channel) ||
+      (inputs_.contains(channel) && sampling.period > 0.0)) {
+    Fault(absl::StrCat(QuotedCsvText(channel),
+                       IsSetPointName(channel)
+                           ? " is a set point: sampling is declared of inputs "
+                             "and outputs"
+                           : " is an input: period and held are of outputs"));
+  }
+  return sampling;
+}
+
 absl::Status TagFile::ParseHeader(CsvRows& rows) {
   if (!rows.Next(fields_)) {
     MLE_RETURN_IF_ERROR(rows.status());
@@ -107,8 +174,8 @@ absl::Status TagFile::ParseHeader(CsvRows& rows) {
   if (columns_[kTag] >= 0 && columns_[kChannel] >= 0) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       source_, ": line ", rows.line(),
-      ": the header must name tag and channel, and may name scale, offset and "
-      "unit, separated by commas"));
+      ": the header must name tag and channel, and may name scale, offset, "
+      "unit, period, held, late_by, average and stamp, separated by commas"));
 }
 
 void TagFile::ParseRow(const CsvRows& rows) {
@@ -143,6 +210,7 @@ void TagFile::ParseRow(const CsvRows& rows) {
     Fault(absl::StrCat("the channel ", QuotedCsvText(mapping.channel),
                        " stands in line ", mapped_[mapping.channel], " too"));
   }
+  mapping.sampling = DeclaredSampling(mapping.channel);
   const std::string_view unit = At(kUnit);
   if (!unit.empty() && FoldedName(unit) != FoldedName(found->second)) {
     Fault(absl::StrCat("the unit of ", QuotedCsvText(mapping.tag),

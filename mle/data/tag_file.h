@@ -9,7 +9,9 @@
 // channel = scale × column + offset; empty: 1 and 0. A row without a channel is
 // a tag that is not used: its column is ignored. `unit`, if it is not empty, is
 // that of the channel after the conversion, and must be the one of the process
-// model; another unit in the file needs a scale or an offset.
+// model; another unit in the file needs a scale or an offset. Further columns,
+// period, held (yes), late_by, average and stamp (start, end), declare the
+// sampling of an input or output (process_model.h), in the model's time unit.
 //
 // ProposeTags() makes such a table of the columns of files, to be checked.
 

@@ -52,6 +52,9 @@ struct ExplainOptions {
   double evidence = 8.0;
   // Explanations of an output at most, ≥ 1.
   int most = 6;
+  // p: the times that samples of the outputs are known to be means over, in the
+  // middle of which they stand; or empty.
+  std::vector<double> averages = {};
   // 0: one for each processor. The result does not depend on it.
   int threads = 1;
 
@@ -98,6 +101,7 @@ struct OutputExplanation {
   double energy = 0.0;       // E of the model as it was
   double remaining = 0.0;    // E of what is explained
   double chance = 0.0;       // N
+  double averaging = 0.0;    // E of what known averages do to the output
   double unit = 0.0;         // M
   double independent = 1.0;  // n
   double required = 0.0;     // the fall of E that is evidence enough, in M
@@ -112,8 +116,11 @@ struct OutputExplanation {
   double EvidenceOf(double fall, double by_unit) const;
   bool AnyAgeing() const;
   bool AnyOther() const;
-  // E/N; an explanation may be missing above kMuchLeft.
-  double left() const { return chance > 0.0 ? remaining / chance : 0.0; }
+  // E/N, what known averages do taken off; an explanation may be missing above
+  // kMuchLeft.
+  double left() const {
+    return chance > 0.0 ? remaining / (chance + averaging) : 0.0;
+  }
   double before() const { return chance > 0.0 ? energy / chance : 0.0; }
 };
 

@@ -419,6 +419,15 @@ VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
 
 VectorXd ExplainedOutput::Modelled() const { return RowMeans(Simulated({})); }
 
+VectorXd ExplainedOutput::LostByAverage(double time) const {
+  const double width = time / sample_time_;
+  std::vector<VectorXd> lost = Simulated({});
+  for (VectorXd& z : lost) {
+    if (width > 1.0) z -= Earlier(Averaged(z, width), 0.5 * (width - 1.0));
+  }
+  return RowMeans(lost);
+}
+
 VectorXd ExplainedOutput::RowMeans(const std::vector<VectorXd>& signal) const {
   VectorXd means(static_cast<Index>(rows_.size()));
   for (std::size_t i = 0; i < rows_.size(); ++i) {

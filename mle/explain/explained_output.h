@@ -68,8 +68,10 @@ class ExplainedOutput {
   Eigen::VectorXd Residual(const std::vector<Explanation>& explanations) const;
   // e for another model of the same channels, its row simulated as it is.
   absl::StatusOr<Eigen::VectorXd> ResidualOf(const ProcessModel& model) const;
-  // z alone, of the model as it is.
+  // z alone, of the model as it is, and what a mean over a time around each
+  // sample takes from it.
   Eigen::VectorXd Modelled() const;
+  Eigen::VectorXd LostByAverage(double time) const;
   // Values of the element with what the explanations say of K, T and L.
   ElementValues Aged(int input,
                      const std::vector<Explanation>& explanations) const;

@@ -92,7 +92,8 @@ const std::vector<ExplanationType>& ExplanationTable() {
        2.0,
        "the time stamps of %s are early or late, or all its dead times have "
        "changed alike",
-       "The clock and the averaging of its tag would settle it."},
+       "The clock and the averaging of its tag would settle it: declare its "
+       "sampling (late_by, average) where they are known."},
       {Kind::kCurvedOutput,
        "curved_output",
        Place::kOutput,

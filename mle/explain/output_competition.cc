@@ -9,6 +9,7 @@
 #include "Eigen/Cholesky"
 #include "Eigen/QR"
 #include "mle/base/status.h"
+#include "mle/data/sampling.h"
 
 namespace mle {
 namespace {
@@ -39,6 +40,9 @@ constexpr double kIndependent = 3.0;
 constexpr double kFewestIndependent = 2.0;
 // More evidence where inputs stand for set points.
 constexpr double kWithoutSetPoints = 2.0;
+// The share of a sample by which means of what lies between samples shift it,
+// with what they seem to.
+constexpr double kMostOfSample = 0.75;
 
 std::vector<Explanation> Without(const std::vector<Explanation>& from,
                                  std::size_t i) {
@@ -382,6 +386,27 @@ void OutputCompetition::FindTies() {
   }
 }
 
+// The dead time of the only element is as well a clock's, by what averages
+// between samples that are measured make it.
+void OutputCompetition::TakeForClock() {
+  if (output_.inputs().size() != 1) return;
+  const int every = MeasuredEvery(output_.records(), output_.output());
+  const double most =
+      (every > 1 ? every : kMostOfSample) * output_.sample_time();
+  const ElementValues& before = output_.values(output_.inputs().front());
+  const double change =
+      output_.Aged(output_.inputs().front(), Explanations()).delay -
+      before.delay;
+  for (TakenExplanation& one : taken_) {
+    if (one.explanation.kind != ExplanationKind::kDeadTime ||
+        !(std::abs(change) <= most)) {
+      continue;
+    }
+    one.explanation = {ExplanationKind::kOutputClock, output_.output(),
+                       change / (0.5 * output_.tau())};
+  }
+}
+
 void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   ties_.clear();
   Forward(given);
@@ -394,6 +419,7 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   chance_ = last.energy;
   unit_ = last.unit;
   FindTies();
+  TakeForClock();
   // Explanations that were given, or that came by exchange, have no evidence
   // yet.
   for (std::size_t i = 0; i < taken_.size(); ++i) {

@@ -93,6 +93,7 @@ class OutputCompetition {
   // whether there was one.
   bool Exchange(std::size_t given);
   void FindTies();
+  void TakeForClock();
   // Cost of an improbability of one: N, for instruments that are not in parts.
   double CostOf(double chance) const { return chance / instruments_.parts(); }
   double Score(const std::vector<Explanation>& explanations, double energy,

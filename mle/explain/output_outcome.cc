@@ -94,6 +94,12 @@ OutputExplanation OutputCompetition::Report() const {
   report.remaining = energy_;
   report.chance = chance_;
   report.unit = unit_;
+  const auto place = static_cast<std::size_t>(output_.output());
+  if (place < options_.averages.size() && options_.averages[place] > 0.0) {
+    report.averaging =
+        instruments_.Project(output_.LostByAverage(options_.averages[place]))
+            .squaredNorm();
+  }
   if (!taken_.empty()) {
     report.held_out =
         HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {

@@ -9,6 +9,7 @@
 #include "mle/base/status.h"
 #include "mle/data/stretches.h"
 #include "mle/maintain/outlier_search.h"
+#include "mle/maintain/stamps.h"
 #include "mle/maintain/unfitted.h"
 #include "mle/maintain/usual_rest.h"
 
@@ -120,7 +121,7 @@ absl::Status LeaveOutSmallChanges(Candidates& candidates) {
       const double norm = initial.element(i, j).norm();
       const double change =
           (proposed.response.element(i, j) - initial.element(i, j)).norm();
-      const bool small = change <= candidates.options.decision.least_change *
+      const bool small = change <= LeastChange(candidates, i, j) *
                                        (norm > 0.0 ? norm : largest);
       any = any || !small;
       if (small && ProposesElement(estimate, i, j) &&
@@ -148,6 +149,9 @@ absl::StatusOr<std::optional<Competition>> Compete(
   const bool whole = data.operated_as_usual && !data.records.empty();
   ExplainOptions explain = options.explain;
   explain.threads = options.threads;
+  for (const Sampling& sampling : data.sampling) {
+    explain.averages.push_back(sampling.average);
+  }
   MLE_ASSIGN_OR_RETURN(
       Competition competition,
       Competition::Run(

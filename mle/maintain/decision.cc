@@ -207,24 +207,27 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
     return NotTaken(std::move(other));
   }
   if (judge.left > kMissing) {
-    return NotTaken(Doubt(
-        output, MessageCode::kMissingExplanation,
-        absl::StrFormat("Set points drive %s otherwise than the model says "
-                        "(%.2g times what disturbances make of it by chance), "
-                        "and no explanation known here accounts for it: a "
-                        "disturbance that comes with set-point changes, or "
-                        "another structure. Single set-point changes in "
-                        "steady operation would settle it.",
-                        output.name, judge.left)));
+    return NotTaken(
+        Doubt(output, MessageCode::kMissingExplanation,
+              absl::StrFormat(
+                  "%s drive %s otherwise than the model says "
+                  "(%.2g times what disturbances make of it by chance), "
+                  "and no explanation known here accounts for it: a "
+                  "disturbance that comes with %s, or another structure. "
+                  "Single set-point changes in steady operation would "
+                  "settle it.",
+                  judge.by_set_points ? "Set points" : "Inputs", output.name,
+                  judge.left,
+                  judge.by_set_points ? "set-point changes" : "their moves")));
   }
   if (output.proposed && !judge.refutes_proposal) {
     return NotTaken(Doubt(
         output, MessageCode::kNotConfirmed,
-        absl::StrCat("A change of ", output.name,
-                     " is proposed, but what set points drive of it does not "
-                     "confirm it: a disturbance that the controller answers "
-                     "looks like this. More set-point changes would settle "
-                     "it.")));
+        absl::StrCat("A change of ", output.name, " is proposed, but what ",
+                     judge.by_set_points ? "set points" : "moves of the inputs",
+                     " drive of it does not confirm it: a disturbance that the "
+                     "controller answers looks like this. More set-point "
+                     "changes would settle it.")));
   }
   return {};
 }
@@ -352,14 +355,10 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
                          "response changes by more than %.3g %%.",
                          p, 100.0 * options.least_change),
          {"least_change"}});
-  } else if (!evidence.informed) {
+  } else if (!evidence.uninformed.empty()) {
     verdict.decision = Decision::kCannotTell;
     verdict.reasons.push_back(
-        {MessageCode::kNotExcited,
-         "",
-         "The inputs move too little to determine any gain: records with "
-         "set-point changes, or a step test, would settle it.",
-         {}});
+        {MessageCode::kNotExcited, "", evidence.uninformed, {}});
   } else {
     verdict.reasons.push_back(
         {MessageCode::kNoChangeFound,

@@ -84,6 +84,8 @@ enum class Acceptance {
 // The result of the competition of explanations (mle/explain/competition.h) for
 // an output, where there is a judge.
 struct InstrumentEvidence {
+  // If not, inputs stand for set points, which do not move.
+  bool by_set_points = true;
   // Gains, time constants or dead times won.
   bool ageing = false;
   // Whole sentences on what else won, and on what would win as well; or empty.
@@ -121,8 +123,8 @@ struct OutputEvidence {
 struct Evidence {
   bool change_proved = false;  // by the test of no change
   double p_value = 1.0;        // of it
-  // Whether the records determine any gain.
-  bool informed = true;
+  // Why the records determine no gain, and what would settle it; or empty.
+  std::string uninformed;
   // The smallest change that they would have shown, in words; or empty.
   std::string detectable;
   std::string nothing_held_out;  // why

@@ -53,13 +53,55 @@ std::string Detectable(const Candidates& candidates) {
                    100.0 * low, lowest, 100.0 * high, highest);
 }
 
-bool AnyInformed(const PairInformation& information) {
-  return information.pairs.empty() ||
-         std::any_of(information.pairs.begin(), information.pairs.end(),
-                     [](const PairErrors& pair) {
-                       return pair.state == PairState::kInformed ||
-                              pair.state == PairState::kWeak;
-                     });
+bool IsInformed(const PairErrors& pair) {
+  return pair.state == PairState::kInformed || pair.state == PairState::kWeak;
+}
+
+// Why no gain is determined: the inputs rest, they move together, or what
+// they do is too little beside what else moves the outputs. Empty if one is.
+std::string WhyUninformed(const Candidates& candidates) {
+  constexpr double kWeak = 0.5;  // InformationOptions::weak
+  const PairInformation& information = candidates.information;
+  if (information.pairs.empty() ||
+      std::any_of(information.pairs.begin(), information.pairs.end(),
+                  IsInformed)) {
+    return "";
+  }
+  const bool moves =
+      std::any_of(information.inputs.begin(), information.inputs.end(),
+                  [](const InputExcitation& input) { return input.moves > 0; });
+  if (!moves) {
+    return "The inputs do not move: records with set-point changes, or a step "
+           "test, would settle it.";
+  }
+  double alone = std::numeric_limits<double>::infinity();
+  double best = alone;
+  std::string pair;
+  for (int i = 0; i < candidates.initial.num_outputs(); ++i) {
+    for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
+      const PairErrors& errors = information.pair(i, j);
+      if (errors.state == PairState::kAbsent) continue;
+      alone = std::min(alone, errors.gain / errors.inflation);
+      if (pair.empty() || errors.gain < best) {
+        best = errors.gain;
+        pair = PairName(candidates.initial, i, j);
+      }
+    }
+  }
+  if (alone <= kWeak) {
+    return "The inputs move together, so that no gain is determined by itself: "
+           "set-point changes that move them one by one, or a step test, would "
+           "settle it.";
+  }
+  return absl::StrFormat(
+      "What the inputs do to the outputs is too little, beside all else that "
+      "moves these, to determine any gain%s. Larger or more set-point changes, "
+      "or a step test, would settle it.",
+      std::isfinite(best)
+          ? absl::StrFormat(" (that of %s, which is known best, within ± %.0f "
+                            "%%)",
+                            pair, 196.0 * best)
+          : "");
 }
 
 OutputEvidence EvidenceOf(const Candidates& candidates,
@@ -84,7 +126,7 @@ Evidence GatherEvidence(const Candidates& candidates,
   evidence.p_value = candidates.estimate.fit.PValue();
   evidence.nothing_held_out = validation.missing;
   evidence.obstacles = candidates.data.obstacles;
-  evidence.informed = AnyInformed(candidates.information);
+  evidence.uninformed = WhyUninformed(candidates);
   if (candidates.options.examine) evidence.detectable = Detectable(candidates);
   std::vector<bool> undecidable(candidates.initial.num_outputs());
   for (const Finding& finding : candidates.data.findings) {

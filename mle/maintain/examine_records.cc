@@ -61,6 +61,7 @@ class Examiner {
   absl::Status FindMistakes();
 
   std::vector<SampleRow> Rows(bool outputs, int channel) const;
+  Compression CompressionOf(int output) const;
   Finding& Add(MessageCode code, std::string tag, Consequence consequence,
                double value, std::string text);
   double Begin() const { return records_.front().time(0); }
@@ -94,12 +95,23 @@ Finding& Examiner::Add(MessageCode code, std::string tag,
               .outputs = {}});
 }
 
+// What is declared of an output takes the place of what is found.
+Compression Examiner::CompressionOf(int output) const {
+  const Sampling declared = SamplingOf(model_.outputs()[output], options_.tags);
+  if (declared.period == 0.0) {
+    return FindCompression(Rows(true, output), Holding::kNever);
+  }
+  if (!declared.held) return {};
+  return HeldBetween(Rows(true, output),
+                     declared.period / records_.front().sample_time);
+}
+
 void Examiner::FindCompressed() {
   bool found_any = false;
   for (int i = 0; i < model_.num_outputs(); ++i) {
-    const Compression found = FindCompression(Rows(true, i), Holding::kNever);
+    const Compression found = CompressionOf(i);
     if (found.kind == Compression::Kind::kNone) continue;
-    found_any = true;
+    found_any |= !found.is_sampled;
     const std::string& name = model_.outputs()[i].name;
     Add(MessageCode::kCompressed, name, Consequence::kRepair,
         found.ArchivedShare(),

@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "mle/data/civil_time.h"
+#include "mle/maintain/stamps.h"
 #include "mle/model/element_response.h"
 
 namespace mle {
 namespace {
 
-// By which a tag may be late since it waits for a scan or an average.
-constexpr double kLateSamples = 5.0;
 // Evidence that a proposal must have where nothing won by itself: 5 %, being
 // one hypothesis, not the best of a table.
 constexpr double kLeastEvidence = 3.0;
@@ -30,21 +27,10 @@ constexpr double kSmall = 0.2;
 constexpr double kWorse = 1.2;
 constexpr double kFallen = 1.5;
 
-// The largest change of dead time that a clock may have made, in the model's
-// time unit. Where that is samples, seconds say nothing.
-double MostOfClocks(const Candidates& candidates) {
-  const double seconds = candidates.options.decision.clock_error;
-  if (!(seconds > 0.0)) return 0.0;
-  return std::max(
-      seconds / SecondsPerUnit(candidates.initial.time_unit())
-                    .value_or(std::numeric_limits<double>::infinity()),
-      kLateSamples * candidates.data.sample_time());
-}
-
 // Beyond what clocks are wrong by, all dead times have changed.
 double BelievedDelay(const Candidates& candidates, int i, int j) {
   const double clock = candidates.competition->ClockOf(i, j);
-  return std::abs(clock) > MostOfClocks(candidates) ? clock : 0.0;
+  return std::abs(clock) > MostOfClock(candidates, i) ? clock : 0.0;
 }
 
 bool IsClock(ExplanationKind kind) {
@@ -130,8 +116,7 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
                 (element->StepResponse(candidates.data.sample_time(),
                                        static_cast<int>(from.size())) -
                  from)
-                        .norm() >
-                    candidates.options.decision.least_change * from.norm();
+                        .norm() > LeastChange(candidates, i, j) * from.norm();
     }
   }
   return aged;
@@ -164,6 +149,26 @@ std::string Capitalised(std::string text) {
   return text;
 }
 
+// Whether a clock that is late by so much changes a response of the output, to
+// one input or to all, by more than is worth making.
+bool ClockMatters(const Candidates& candidates, int i, int input, double late) {
+  for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
+    const TransferFunction& element = candidates.initial.element(i, j);
+    if (element.IsZero() || (input >= 0 && j != input)) continue;
+    const double delay = element.delay() + late;
+    if (delay < 0.0) return true;
+    const Eigen::VectorXd from = candidates.initial_response.element(i, j);
+    const Eigen::VectorXd to =
+        TransferFunction(element.numerator(), element.denominator(), delay)
+            .StepResponse(candidates.data.sample_time(),
+                          static_cast<int>(from.size()));
+    if ((to - from).norm() > LeastChange(candidates, i, j) * from.norm()) {
+      return true;
+    }
+  }
+  return false;
+}
+
 int FirstInput(const ProcessModel& model, int output) {
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (!model.element(output, j).IsZero()) return j;
@@ -189,6 +194,7 @@ std::string Others(const Candidates& candidates, int i) {
       const int j =
           of_output ? FirstInput(candidates.initial, i) : explanation.index;
       const double late = candidates.competition->ClockOf(i, j);
+      if (!ClockMatters(candidates, i, of_output ? -1 : j, late)) continue;
       absl::StrAppend(
           &text, text.empty() ? "" : " ",
           absl::StrFormat(
@@ -339,6 +345,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   if (!output.by_set_points && ProposesNewPath(candidates, i))
     return std::nullopt;
   InstrumentEvidence evidence;
+  evidence.by_set_points = output.by_set_points;
   const std::vector<bool> aged = AgedInputs(candidates, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
   evidence.other = Others(candidates, i);

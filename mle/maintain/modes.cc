@@ -13,6 +13,7 @@
 #include "mle/base/absl_view.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
+#include "mle/data/nearest_names.h"
 
 namespace mle {
 namespace {
@@ -188,7 +189,15 @@ Message NoteOn(const ModeTag& tag, const Place& place, const Found& found,
 
 }  // namespace
 
-absl::StatusOr<Modes> ReadModes(const std::vector<HistorianSource>& sources,
+absl::StatusOr<double> ModeCode(std::string_view word) {
+  const auto found = ModeWords().find(FoldedName(word));
+  if (found != ModeWords().end()) return found->second;
+  return OptionError("mode_tag", absl::StrCat("'", AbslView(word),
+                                              "' is not a mode (mode_tag); ",
+                                              AbslView(kKnown)));
+}
+
+absl::StatusOr<Modes> ReadModes(const ImportOf& import,
                                 const ProcessModel& model,
                                 const HistorianOptions& options,
                                 const std::vector<ModeTag>& tags,
@@ -200,17 +209,17 @@ absl::StatusOr<Modes> ReadModes(const std::vector<HistorianSource>& sources,
   Modes modes;
   if (tags.empty() || records.empty()) return modes;
   const double sample_time = records.front().sample_time;
-  const absl::StatusOr<HistorianImport> import =
-      ImportHistorianSources(sources, ModelOfModes(model, tags),
-                             OptionsOfModes(options, model, tags, sample_time));
-  if (!import.ok()) return OnWords(import.status());
+  const absl::StatusOr<HistorianImport> imported =
+      import(ModelOfModes(model, tags),
+             OptionsOfModes(options, model, tags, sample_time));
+  if (!imported.ok()) return OnWords(imported.status());
   double all = 0.0;
-  for (const Record& record : import->records) {
+  for (const Record& record : imported->records) {
     all += record.samples() * record.sample_time;
   }
   for (std::size_t t = 0; t < tags.size(); ++t) {
     const absl::StatusOr<Found> found = AddStretches(
-        import->records, static_cast<int>(t), places[t], modes.by_hand);
+        imported->records, static_cast<int>(t), places[t], modes.by_hand);
     if (!found.ok()) {
       return OptionError("mode_tag",
                          absl::StrCat("mode_tag = ", tags[t].tag, ": ",

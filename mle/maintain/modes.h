@@ -14,7 +14,9 @@
 #ifndef MLE_MAINTAIN_MODES_H_
 #define MLE_MAINTAIN_MODES_H_
 
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -35,10 +37,18 @@ struct Modes {
   std::vector<Message> notes;  // one for each tag
 };
 
-// From the sources of `records`, which are those of an import by `options`.
-// InvalidArgument for a channel that the model does not have, a column that is
-// missing, and words and numbers that are no modes.
-absl::StatusOr<Modes> ReadModes(const std::vector<HistorianSource>& sources,
+// Records of these channels, from wherever those of a model come.
+using ImportOf = std::function<absl::StatusOr<HistorianImport>(
+    const ProcessModel&, const HistorianOptions&)>;
+
+// The number that a word of ReadModes() stands for where samples are numbers.
+// InvalidArgument for another word.
+absl::StatusOr<double> ModeCode(std::string_view word);
+
+// From where `records` come by `options`. InvalidArgument for a channel that
+// the model does not have, a column that is missing, and words and numbers that
+// are no modes.
+absl::StatusOr<Modes> ReadModes(const ImportOf& import,
                                 const ProcessModel& model,
                                 const HistorianOptions& options,
                                 const std::vector<ModeTag>& tags,

@@ -194,6 +194,21 @@ void WarnOfUnrest(const ProcessModel& model, RecordData& data) {
   }
 }
 
+// Whether an input moves at most samples, as a controller moves it, or an
+// experiment.
+bool InputsAlwaysMove(const std::vector<Record>& records) {
+  constexpr double kMost = 0.5;
+  double moves = 0.0;
+  double pairs = 0.0;
+  for (const Record& record : records) {
+    for (int k = 1; k < record.samples(); ++k) {
+      pairs += 1.0;
+      moves += record.inputs.col(k) != record.inputs.col(k - 1) ? 1.0 : 0.0;
+    }
+  }
+  return moves > kMost * pairs;
+}
+
 absl::Status NoWindows(const RecordData& data) {
   std::vector<std::string> files;
   std::vector<std::string> likely;  // set points among what was ignored
@@ -212,9 +227,13 @@ absl::Status NoWindows(const RecordData& data) {
       absl::StrCat(
           "there is nothing to learn from in ",
           files.empty() ? "the records" : absl::StrJoin(files, ", "),
-          ": no set point changes, nor do inputs move that rest otherwise. Set "
-          "points (columns <output>_setpoint) must change, or change_times "
-          "must name the times",
+          InputsAlwaysMove(data.records)
+              ? ": no set point changes, and inputs that move all the time may "
+                "answer disturbances"
+              : ": no set point changes, nor do inputs move that rest "
+                "otherwise",
+          ". Set points (columns <output>_setpoint) must change, or "
+          "change_times must name the times (of an experiment, any in it)",
           likely.empty()
               ? ""
               : absl::StrCat("; of the columns that are ignored ",
@@ -261,6 +280,9 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
                             const RecordOptions& options, RecordData& data) {
   data.lead = static_cast<int>(
       std::min(std::ceil(SettlingTime(model) / data.sample_time()), 1e9));
+  for (const OutputChannel& output : model.outputs()) {
+    data.sampling.push_back(SamplingOf(output, options.examination.tags));
+  }
   AddImportWarnings(data);
   MLE_RETURN_IF_ERROR(ExamineFiles(model, options.examination, data));
   MarkUnhealthy(model, options.mark, data);
@@ -379,36 +401,50 @@ absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
   return data;
 }
 
-absl::StatusOr<RecordData> LoadSources(
-    const std::vector<HistorianSource>& sources, const ProcessModel& model,
-    const HistorianOptions& import, const RecordOptions& options,
-    const ProgressCallback& progress) {
-  HistorianOptions told = import;
-  if (progress) {
-    told.progress = [&](const ImportProgress& read) {
-      return progress(
-          {absl::StrCat("reading ", read.source,
-                        read.fraction < 0.0 ? " up to " + read.reached : ""),
-           std::max(read.fraction, 0.0)});
-    };
-  }
+absl::StatusOr<RecordData> ImportAndPrepare(const ImportOf& import,
+                                            const ProcessModel& model,
+                                            const HistorianOptions& importing,
+                                            const RecordOptions& options) {
+  HistorianOptions told = importing;
   for (const ModeTag& mode : options.modes) {
     told.columns.unused_tags.push_back(mode.tag);
   }
-  RecordScan scan(model, options.most_samples_in_memory);
-  const bool scans = options.most_samples_in_memory > 0;
-  MLE_ASSIGN_OR_RETURN(
-      HistorianImport imported,
-      ImportHistorianSources(sources, model, told, scans ? &scan : nullptr));
+  MLE_ASSIGN_OR_RETURN(HistorianImport imported, import(model, told));
   RecordOptions mapped = options;
-  mapped.examination.tags = import.columns.tags;
-  MLE_ASSIGN_OR_RETURN(Modes modes, ReadModes(sources, model, import,
+  mapped.examination.tags = importing.columns.tags;
+  MLE_ASSIGN_OR_RETURN(Modes modes, ReadModes(import, model, importing,
                                               options.modes, imported.records));
   mapped.windows.by_hand = std::move(modes.by_hand);
   MLE_ASSIGN_OR_RETURN(RecordData data,
                        PrepareRecords(std::move(imported), model, mapped));
-  for (Message& note : scan.Notes()) data.notes.push_back(std::move(note));
   for (Message& note : modes.notes) data.notes.push_back(std::move(note));
+  return data;
+}
+
+absl::StatusOr<RecordData> LoadSources(
+    const std::vector<HistorianSource>& sources, const ProcessModel& model,
+    const HistorianOptions& import, const RecordOptions& options,
+    const ProgressCallback& progress) {
+  RecordScan scan(model, options.most_samples_in_memory);
+  const bool scans = options.most_samples_in_memory > 0;
+  const auto read = [&](const ProcessModel& channels, HistorianOptions told) {
+    // Of what is read again, nothing is told.
+    const bool whole = &channels == &model;
+    if (progress && whole) {
+      told.progress = [&](const ImportProgress& reading) {
+        return progress(
+            {absl::StrCat(
+                 "reading ", reading.source,
+                 reading.fraction < 0.0 ? " up to " + reading.reached : ""),
+             std::max(reading.fraction, 0.0)});
+      };
+    }
+    return ImportHistorianSources(sources, channels, told,
+                                  scans && whole ? &scan : nullptr);
+  };
+  MLE_ASSIGN_OR_RETURN(RecordData data,
+                       ImportAndPrepare(read, model, import, options));
+  for (Message& note : scan.Notes()) data.notes.push_back(std::move(note));
   return data;
 }
 

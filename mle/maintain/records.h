@@ -73,6 +73,8 @@ struct RecordData {
   bool operated_as_usual = true;
   // The model's settling time, in samples.
   int lead = 0;
+  // p: what is declared of the outputs; empty: nothing.
+  std::vector<Sampling> sampling;
   HealthReport health;
   // Findings of the examination; those that block are obstacles, the others are
   // among the warnings (doubts and repairs) and notes.
@@ -117,6 +119,12 @@ absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
 absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,
                                           const ProcessModel& model,
                                           const RecordOptions& options);
+
+// The same of records wherever they come from, with their modes.
+absl::StatusOr<RecordData> ImportAndPrepare(const ImportOf& import,
+                                            const ProcessModel& model,
+                                            const HistorianOptions& importing,
+                                            const RecordOptions& options);
 
 // The same of sources of records, as RecordSources() (mle/database) makes them
 // of files and databases. Errors name the source. `progress` is told what is

@@ -14,8 +14,38 @@ namespace {
 // More pairs than any plant has; a file that asks for more is broken.
 constexpr std::size_t kMaxPairs = 250'000;
 
+absl::StatusOr<Sampling> ParseSampling(const JsonNode& node, bool is_output) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys(
+      {}, is_output ? std::vector<std::string>{"period", "held", "late_by",
+                                               "average", "stamp"}
+                    : std::vector<std::string>{"late_by", "average", "stamp"}));
+  Sampling sampling;
+  MLE_RETURN_IF_ERROR(ReadNumber(node, "period", kPositive, sampling.period));
+  MLE_RETURN_IF_ERROR(ReadBoolean(node, "held", sampling.held));
+  MLE_RETURN_IF_ERROR(
+      ReadNumber(node, "late_by", kAnyNumber, sampling.late_by));
+  MLE_RETURN_IF_ERROR(ReadNumber(node, "average", kPositive, sampling.average));
+  if (sampling.held && !node.Has("period")) {
+    return node.Fault("has held without period: how often it is measured");
+  }
+  if (node.Has("average") != node.Has("stamp")) {
+    return node.Fault(
+        "needs average, the time that means are over, and stamp (\"start\" or "
+        "\"end\" of it) together");
+  }
+  if (node.Has("stamp")) {
+    MLE_ASSIGN_OR_RETURN(const std::string stamp, node.At("stamp").String());
+    if (stamp != "start" && stamp != "end") {
+      return node.At("stamp").Fault(absl::StrCat(
+          "is ", QuotedJson(stamp), ", must be \"start\" or \"end\""));
+    }
+    sampling.stamped_at_end = stamp == "end";
+  }
+  return sampling;
+}
+
 absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"role"}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"role", "sampling"}));
   InputChannel input;
   MLE_ASSIGN_OR_RETURN(input.name, node.At("name").String());
   MLE_ASSIGN_OR_RETURN(input.unit, node.At("unit").String());
@@ -28,14 +58,22 @@ absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
     }
     if (role == "disturbance") input.role = InputRole::kDisturbance;
   }
+  if (node.Has("sampling")) {
+    MLE_ASSIGN_OR_RETURN(input.sampling,
+                         ParseSampling(node.At("sampling"), false));
+  }
   return input;
 }
 
 absl::StatusOr<OutputChannel> ParseOutput(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"sampling"}));
   OutputChannel output;
   MLE_ASSIGN_OR_RETURN(output.name, node.At("name").String());
   MLE_ASSIGN_OR_RETURN(output.unit, node.At("unit").String());
+  if (node.Has("sampling")) {
+    MLE_ASSIGN_OR_RETURN(output.sampling,
+                         ParseSampling(node.At("sampling"), true));
+  }
   return output;
 }
 
@@ -53,6 +91,25 @@ absl::StatusOr<int> FindChannel(const JsonNode& node, const std::string& key,
                     [](std::string* out, const Channel& channel) {
                       absl::StrAppend(out, QuotedJson(channel.name));
                     })));
+}
+
+// The key and its value, after a comma; empty where nothing is declared.
+std::string FormatSampling(const Sampling& sampling) {
+  std::vector<std::string> keys;
+  const auto add = [&](const char* key, double value) {
+    if (value == 0.0) return;
+    keys.push_back(absl::StrCat("\"", key, "\": ", ShortestNumber(value)));
+  };
+  add("period", sampling.period);
+  if (sampling.held) keys.emplace_back("\"held\": true");
+  add("late_by", sampling.late_by);
+  add("average", sampling.average);
+  if (sampling.average > 0.0) {
+    keys.emplace_back(sampling.stamped_at_end ? "\"stamp\": \"end\""
+                                              : "\"stamp\": \"start\"");
+  }
+  if (keys.empty()) return "";
+  return absl::StrCat(", \"sampling\": {", absl::StrJoin(keys, ", "), "}");
 }
 
 }  // namespace
@@ -127,12 +184,14 @@ std::string FormatChannels(const ProcessModel& model) {
                                   ", \"unit\": ", QuotedJson(input.unit),
                                   input.role == InputRole::kDisturbance
                                       ? ", \"role\": \"disturbance\""
-                                      : ""));
+                                      : "",
+                                  FormatSampling(input.sampling)));
   }
   std::vector<std::string> outputs;
   for (const OutputChannel& output : model.outputs()) {
     outputs.push_back(absl::StrCat("\"name\": ", QuotedJson(output.name),
-                                   ", \"unit\": ", QuotedJson(output.unit)));
+                                   ", \"unit\": ", QuotedJson(output.unit),
+                                   FormatSampling(output.sampling)));
   }
   return absl::StrCat("  \"name\": ", QuotedJson(model.name()),
                       ",\n  \"time_unit\": ", QuotedJson(model.time_unit()),

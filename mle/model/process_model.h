@@ -26,15 +26,40 @@ namespace mle {
 
 enum class InputRole { kManipulated, kDisturbance };
 
+// What is known of the samples of a channel, in the model's time unit; 0: as
+// the rows of the records have it.
+struct Sampling {
+  // Outputs: measured so often, as by a laboratory, and whether the last value
+  // is repeated until the next.
+  double period = 0.0;
+  bool held = false;
+  double late_by = 0.0;  // stamps are later than the samples; < 0: earlier
+  // Samples are means over this time, stamped at its start or at its end.
+  double average = 0.0;
+  bool stamped_at_end = false;
+
+  // By how much the stamps are late: of the middle of what an output was
+  // averaged over, of the start of what an input was.
+  double OutputLate() const {
+    return late_by + (stamped_at_end ? 0.5 : -0.5) * average;
+  }
+  double InputLate() const {
+    return late_by + (stamped_at_end ? average : 0.0);
+  }
+  bool operator==(const Sampling& other) const = default;
+};
+
 struct InputChannel {
   std::string name;
   std::string unit;
   InputRole role = InputRole::kManipulated;
+  Sampling sampling = {};
 };
 
 struct OutputChannel {
   std::string name;
   std::string unit;
+  Sampling sampling = {};
 };
 
 class ProcessModel {

@@ -14,9 +14,12 @@ namespace {
 
 // A segment that is shorter tells less than its offset and amplitudes cost.
 constexpr int kMinRows = 20;
-// The same of an output that is measured at one sample in three or fewer, as a
-// laboratory does: each of these tells as much as many neighbours.
+// The same of an output that is not measured at every sample: of a
+// laboratory's, at one sample in three or fewer, each tells as much as many
+// neighbours.
+constexpr int kMinHalfRows = 10;
 constexpr int kMinSparseRows = 3;
+constexpr double kHalf = 1.7;
 constexpr int kSparse = 3;
 // The automatic bounds of dead times take at most this share of the shortest
 // record.
@@ -190,7 +193,10 @@ int LeastRows(const std::vector<Record>& records, int output) {
     measured += record.outputs.row(output).array().isFinite().count();
     samples += MeasuredSamples(record);
   }
-  return kSparse * measured <= samples ? kMinSparseRows : kMinRows;
+  if (kSparse * measured <= samples) return kMinSparseRows;
+  const bool is_half =
+      kHalf * static_cast<double>(measured) <= static_cast<double>(samples);
+  return is_half ? kMinHalfRows : kMinRows;
 }
 
 // Whether the output is measured to move: a constant says that a sensor is

@@ -8,7 +8,7 @@ from typing import Any, List, Mapping, Sequence, Tuple
 from . import _mle
 from ._mle import Record
 from .model import ModelLike, read_model
-from .options import names_of, option_texts
+from .options import names_of, option_texts, text_of
 
 # Options that say how a text is read, and mean nothing for a table.
 _OF_TEXT = (
@@ -106,9 +106,32 @@ def _samples(column: Any) -> Any:
     return str(column.dtype)
 
 
-def _table(frame: Any, name: str, time_column: str, zone: str) -> tuple:
+def _modes(column: Any) -> Any:
+    """Words of modes as the numbers that stand for them; NaN where there is none."""
+    import numpy as np
+    import pandas as pd
+
+    if getattr(column.dtype, "kind", "O") in "fiub":
+        return _samples(column)
+    words = {word: _mle._mode_code(str(word)) for word in pd.unique(column.dropna())}
+    return np.asarray(column.map(words).to_numpy(dtype=float, na_value=np.nan))
+
+
+def _mode_tags(options: Mapping[str, Any]) -> Sequence[str]:
+    """The columns that mode_tag names, given as the command's text or a mapping."""
+    tags = text_of(options.get("mode_tag", "")).split(",")
+    return [tag.rpartition("=")[0] or tag for tag in tags if tag]
+
+
+def _table(
+    frame: Any, name: str, time_column: str, zone: str, modes: Sequence[str]
+) -> tuple:
     times, dates, zone, columns = _times(frame, name, time_column, zone)
-    samples = [(str(frame.columns[k]), _samples(frame.iloc[:, k])) for k in columns]
+    samples = []
+    for k in columns:
+        column = str(frame.columns[k])
+        read = _modes if column in modes else _samples
+        samples.append((column, read(frame.iloc[:, k])))
     return (name, times, dates, zone, samples)
 
 
@@ -129,7 +152,10 @@ def _tables(frames: Sequence[Any], options: Mapping[str, Any]) -> tuple:
     zone = str(options.get("time_zone", ""))
     return (
         "tables",
-        [_table(frame, name, time_column, zone) for frame, name in zip(frames, names)],
+        [
+            _table(frame, name, time_column, zone, _mode_tags(options))
+            for frame, name in zip(frames, names)
+        ],
     )
 
 
@@ -145,7 +171,7 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
         return ("files", [os.fspath(one) for one in records])
     if all(isinstance(one, Record) for one in records):
         for option in options:
-            if option in names_of(_mle._read_options()):
+            if option in (*names_of(_mle._read_options()), "mode_tag"):
                 raise _mle_error(f"{option}: this option is not for mle.Record", option)
         return ("records", records)
     if all(_is_frame(one) for one in records):

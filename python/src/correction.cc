@@ -108,11 +108,17 @@ absl::StatusOr<RecordData> Load(const CorrectCall& call,
     files = {DescribeMemory("memory", source.records)};
     return PrepareRecords(source.records, request.model, options);
   }
-  MLE_ASSIGN_OR_RETURN(
-      HistorianImport imported,
-      ImportTables(source.tables, request.model, request.import));
-  files = {DescribeMemory(NameOfTables(source.tables), imported.records)};
-  return PrepareRecords(std::move(imported), request.model, options);
+  const auto import =
+      [&](const ProcessModel& channels,
+          const HistorianOptions& how) -> absl::StatusOr<HistorianImport> {
+    MLE_ASSIGN_OR_RETURN(HistorianImport imported,
+                         ImportTables(source.tables, channels, how));
+    if (&channels == &request.model) {
+      files = {DescribeMemory(NameOfTables(source.tables), imported.records)};
+    }
+    return imported;
+  };
+  return ImportAndPrepare(import, request.model, request.import, options);
 }
 
 absl::StatusOr<std::shared_ptr<const Correction>> CorrectRecords(

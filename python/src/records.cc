@@ -7,6 +7,7 @@
 #include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/database/record_sources.h"
+#include "mle/maintain/modes.h"
 #include "pybind11/numpy.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"
@@ -191,6 +192,9 @@ void AddRecords(py::module_& module) {
       .def(py::pickle(&Pickled, &UnpickledRecord));
   module.def("_read_records", &ReadRecords);
   module.def("_read_options", &OptionsOfReading);
+  module.def("_mode_code", [](const std::string& word) {
+    return ValueOrThrow(ModeCode(word));
+  });
 }
 
 }  // namespace mle::python

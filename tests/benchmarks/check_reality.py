@@ -13,6 +13,7 @@ source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "benchmarks/reality"))
 import adversary  # noqa: E402
+import effects  # noqa: E402
 import hardware  # noqa: E402
 import mistakes  # noqa: E402
 import plants  # noqa: E402
@@ -166,7 +167,7 @@ def elements_are_compared():
 
 
 def averages_are_stamped_where_they_say():
-    for average, first_stamp in ((adversary.averages_at_start, 0), (adversary.averages_at_end, 1)):
+    for average, first_stamp in ((effects.averages_at_start, 0), (effects.averages_at_end, 1)):
         trial = Trial(plants.PLANTS["two_by_two"], random.Random(1))
         average(trial)
         count = 200

@@ -295,3 +295,43 @@ def test_dates_of_every_package_are_texts():
     dates = [whole, whole.astype("datetime64[ns]"), pd.Timestamp("2024-03-04 10:00")]
     assert text_of(dates) == ",".join(["2024-03-04T10:00:00"] * 3)
     assert text_of(np.array(dates[:2], dtype="datetime64[ms]")) == text_of(dates[:2])
+
+
+def test_outputs_that_are_judged(loop, frame):
+    model = mle.from_fopdt([[2.0], [1.0]], 10.0, 2.0, inputs=["valve"], outputs=["level", "flow"])
+    with refused("no column 'flow'"):
+        mle.correct(model, frame, **FAST)
+    result = mle.correct(model, frame, outputs=["level"], **FAST)
+    assert result.decision == "corrected"
+    assert {output for output, _ in result.elements.index} == {"level"}
+    with refused("no such output; it has level, flow"):
+        mle.correct(model, frame, outputs="levle", **FAST)
+
+
+def test_modes_in_a_data_frame(loop, frame, tmp_path):
+    frame["LC.MODE"] = ["MAN" if 100 <= k < 150 else "cas" for k in range(len(frame))]
+    modes = {"LC.MODE": "valve"}
+    result = mle.correct(loop[0], frame, mode_tag=modes, **FAST)
+    told = [note.text for note in result.notes if note.text.startswith("LC.MODE")]
+    assert len(told) == 1 and "by hand for 17 %" in told[0]
+    file = tmp_path / "record.csv"
+    frame.rename_axis("time").to_csv(file)
+    of_file = mle.correct(loop[0], str(file), mode_tag=modes, **FAST)
+    assert told == [note.text for note in of_file.notes if note.text.startswith("LC.MODE")]
+    with refused("'broken' is not a mode .mode_tag."):
+        mle.correct(loop[0], frame.replace("MAN", "broken"), mode_tag=modes, **FAST)
+    with refused("not for mle.Record"):
+        mle.correct(loop[0], loop[2], mode_tag=modes)
+
+
+def test_declared_sampling(loop, frame):
+    output = '"name": "level", "unit": ""'
+    text = loop[0].to_json()
+    assert output in text
+    late = mle.ProcessModel.from_json(
+        text.replace(output, output + ', "sampling": {"late_by": 3}')
+    )
+    plain = mle.read_records(frame, loop[0])[0]
+    shifted = mle.read_records(frame, late)[0]
+    np.testing.assert_array_equal(shifted.outputs[:-3], plain.outputs[3:])
+    np.testing.assert_array_equal(shifted.inputs, plain.inputs)

@@ -378,6 +378,81 @@ TEST(HistorianTest, CoarserRowsAreInterpolatedWithAWarning) {
               HasSubstr("rows are 1 apart"));
 }
 
+// Stamps that are late are shifted, by parts of a sample too.
+TEST(HistorianTest, DeclaredLatenessIsTakenOff) {
+  std::string text = "time,level,level_setpoint,steam\n";
+  for (int k = 0; k < 12; ++k) {
+    absl::StrAppend(&text, k, ",", 10 + k, ",", k, ",", 100 + k, "\n");
+  }
+  HistorianOptions options;
+  options.columns.tags = {{"level", "level"}, {"steam", "steam"}};
+  options.columns.tags[0].sampling = Sampling{.late_by = 2.5};
+  options.columns.tags[1].sampling = Sampling{.late_by = -1.0};
+  const HistorianImport import = ImportOk(text, options);
+  ASSERT_EQ(import.records.size(), 1u);
+  const Record& record = import.records[0];
+  ASSERT_EQ(record.samples(), 12);
+  for (int k = 1; k < 9; ++k) {
+    EXPECT_DOUBLE_EQ(record.outputs(0, k), 12.5 + k);
+    EXPECT_EQ(record.inputs(0, k), 99.0 + k);
+    EXPECT_EQ(record.set_points(0, k), k);
+  }
+  EXPECT_THAT(record.outputs(0, 10), IsNan());
+  ASSERT_EQ(import.report.notes.size(), 2u);
+  EXPECT_EQ(import.report.notes[0].text,
+            "level: as declared, taken 2.5 min earlier than its stamps.");
+}
+
+// Means of what lies between rows stand in the middle of it, half a step from
+// the rows; those of inputs are held over it.
+TEST(HistorianTest, DeclaredMeansStandInTheMiddle) {
+  for (const bool at_end : {true, false}) {
+    std::string text = "time,level,steam\n";
+    for (int k = 0; k < 12; ++k) {
+      absl::StrAppend(&text, 10 * k, ",", 10 + k, ",", 100 + k, "\n");
+    }
+    ProcessModel tank("tank", "min", {{"steam", ""}}, {{"level", ""}});
+    const Sampling means = {.average = 10.0, .stamped_at_end = at_end};
+    tank = ProcessModel("tank", "min", {{"steam", "", {}, means}},
+                        {{"level", "", means}});
+    const auto import = Import(text, {}, tank);
+    ASSERT_TRUE(import.ok()) << import.status();
+    const Record& record = import->records[0];
+    EXPECT_EQ(record.sample_time, 5.0);
+    const int shift = at_end ? 1 : 0;  // rows
+    for (int k = 2; k < 16; ++k) {
+      const int row = k / 2;
+      EXPECT_EQ(record.inputs(0, k), 100.0 + row + shift);
+      if (k % 2 == 1) {
+        EXPECT_EQ(record.outputs(0, k), 10.0 + row + shift);
+      } else {
+        EXPECT_THAT(record.outputs(0, k), IsNan());
+      }
+    }
+  }
+}
+
+// A laboratory's sample is that of the nearest sample, in finer records too.
+TEST(HistorianTest, DeclaredPointsAreKeptAsTheyAre) {
+  std::string text = "time,level,steam\n";
+  for (int k = 0; k < 60; ++k) {
+    absl::StrAppend(&text, k, ",", k % 20 == 7 ? absl::StrCat(k) : "", ",1\n");
+  }
+  HistorianOptions options;
+  options.sample_time = 4.0;
+  options.empty_fields = EmptyFields::kBad;
+  options.columns.tags = {{"level", "level"}};
+  options.columns.tags[0].sampling = Sampling{.period = 20.0, .late_by = 2.0};
+  const Record record = ImportOk(text, options).records[0];
+  for (int k = 0; k < record.samples(); ++k) {
+    if (k % 5 == 1) {
+      EXPECT_EQ(record.outputs(0, k), 4.0 * (k - 1) + 7.0) << k;
+    } else {
+      EXPECT_THAT(record.outputs(0, k), IsNan()) << k;
+    }
+  }
+}
+
 TEST(HistorianTest, OptionsOutOfRangeAreNamed) {
   const auto error = [](auto change) {
     HistorianOptions options;

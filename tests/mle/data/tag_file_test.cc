@@ -1,5 +1,6 @@
 #include "mle/data/tag_file.h"
 
+#include <optional>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -45,6 +46,26 @@ TEST(TagFileTest, MapsTagsWithTheirUnits) {
   EXPECT_EQ(tags[1].scale, 1.0);
   EXPECT_EQ(tags[1].offset, 0.0);
   EXPECT_THAT(Parse("channel,tag\nsteam,\"A, B\"\n")[0].tag, "A, B");
+}
+
+TEST(TagFileTest, DeclaresSampling) {
+  const std::vector<TagMapping> tags = Parse(
+      "tag,channel,period,held,late_by,average,stamp\n"
+      "LI1.PV,level,240,yes,15,,\nLI1.SP,level_setpoint,,,,,\n"
+      "FC2.OP,steam,,,,5,End\n");
+  ASSERT_EQ(tags.size(), 3u);
+  EXPECT_EQ(tags[0].sampling,
+            (Sampling{.period = 240.0, .held = true, .late_by = 15.0}));
+  EXPECT_EQ(tags[1].sampling, std::nullopt);
+  EXPECT_EQ(tags[2].sampling,
+            (Sampling{.average = 5.0, .stamped_at_end = true}));
+  const std::string header = "tag,channel,period,held,late_by,average,stamp\n";
+  EXPECT_THAT(Error(header + "LI1,level,,maybe,,5,\nFC2,steam,5,,,,\n"
+                             "LI1.SP,level_setpoint,,,2,,\n"),
+              AllOf(HasSubstr("line 2: held is 'maybe'"),
+                    HasSubstr("line 2: average, the time that means are over"),
+                    HasSubstr("line 3: 'steam' is an input"),
+                    HasSubstr("line 4: 'level_setpoint' is a set point")));
 }
 
 // A tag without a channel is known not to be needed.

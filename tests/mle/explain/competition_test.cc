@@ -139,6 +139,46 @@ TEST(CompetitionTest, AClockOfATagIsOneExplanation) {
   EXPECT_TRUE(by_output.outputs()[1].taken.empty());
 }
 
+// Averages shift the only element of an output by half a sample, as its clock
+// would; ageing by more.
+TEST(CompetitionTest, TheOnlyDeadTimeIsAClockUpToASample) {
+  ProcessModel model = TwoLoops();
+  model.element(0, 1) = TransferFunction::FirstOrder(0.0, 14.0, 3.0);
+  model.element(1, 0) = TransferFunction::FirstOrder(0.0, 12.0, 4.0);
+  Happening quiet;
+  quiet.drift = 0.002;
+  quiet.noise = 0.005;
+  for (const auto& [later, code] :
+       {std::pair(0.5, "output_clock"), std::pair(-0.5, "output_clock"),
+        std::pair(2.0, "dead_time")}) {
+    SCOPED_TRACE(later);
+    ProcessModel plant = model;
+    plant.element(0, 0) = TransferFunction::FirstOrder(2.0, 10.0, 2.0 + later);
+    const Competition competition = *Competition::Run(
+        model, {CloseLoops(plant, 5, quiet)}, ExplainOptions());
+    ASSERT_EQ(Taken(competition.outputs()[0]), Codes{code});
+    const bool is_clock = later < 2.0;
+    EXPECT_NEAR(competition.ClockOf(0, 0), is_clock ? later : 0.0, 0.15);
+    EXPECT_NEAR(competition.Explained(0, 0).delay, is_clock ? 2.0 : 2.0 + later,
+                0.15);
+  }
+}
+
+// What is known of the averages is no reason to look for another explanation.
+TEST(CompetitionTest, KnownAveragesAreTakenOffWhatIsLeft) {
+  const Record record = CloseLoops(TwoLoops(), 5);
+  ExplainOptions options;
+  const OutputExplanation plain =
+      Competition::Run(TwoLoops(), {record}, options)->outputs()[0];
+  EXPECT_EQ(plain.averaging, 0.0);
+  options.averages = {8.0, 0.0};
+  const Competition known = *Competition::Run(TwoLoops(), {record}, options);
+  EXPECT_GT(known.outputs()[0].averaging, 0.0);
+  EXPECT_EQ(known.outputs()[0].remaining, plain.remaining);
+  EXPECT_LT(known.outputs()[0].left(), plain.left());
+  EXPECT_EQ(known.outputs()[1].averaging, 0.0);
+}
+
 // A load that the controller answers is no change of the model, however large:
 // inputs move with it, set points do not.
 TEST(CompetitionTest, FeedbackFromADisturbanceIsNotAgeing) {

@@ -244,7 +244,7 @@ TEST(DecisionTest, EveryRowOfTheTableOfPlants) {
   EXPECT_NE(verdict.reasons.front().text.find(evidence.detectable),
             std::string::npos);
 
-  evidence.informed = false;
+  evidence.uninformed = "The inputs do not move.";
   verdict = Decide(evidence, {});
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
   EXPECT_EQ(verdict.reasons.front().code, MessageCode::kNotExcited);

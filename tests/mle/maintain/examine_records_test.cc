@@ -108,6 +108,33 @@ TEST(ExamineRecordsTest, UsesArchivedSamplesOnly) {
   EXPECT_EQ(FirstBlocking(findings), nullptr);
 }
 
+// Outputs that change slowly repeat values at their declared period, which what
+// is found would not keep.
+TEST(ExamineRecordsTest, WhatIsDeclaredTakesThePlaceOfWhatIsFound) {
+  constexpr int kPeriod = 20;
+  Record held = LoopRecord();
+  for (int k = 0; k < held.samples(); ++k) {
+    held.outputs(0, k) = held.outputs(0, k - k % kPeriod);
+  }
+  testing::Quantise(0.5, held.outputs);
+  ExamineOptions options;
+  options.tags = {
+      {LoopModel().outputs()[0].name, LoopModel().outputs()[0].name}};
+  options.tags[0].sampling =
+      Sampling{.period = kPeriod * held.sample_time, .held = true};
+  Record record = held;
+  const std::vector<Finding> findings = Examine(record, options);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings[0].message.code, MessageCode::kCompressed);
+  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+  EXPECT_EQ(Bad(record.outputs, 0), held.samples() - held.samples() / kPeriod);
+  // Values that are known not to be held are all taken.
+  options.tags[0].sampling->held = false;
+  record = held;
+  Examine(record, options);
+  EXPECT_EQ(Bad(record.outputs, 0), 0);
+}
+
 // Between archived values an input was where the straight line says, within the
 // historian's deviation. Where outputs are compressed, too, the lines are no
 // ramps.

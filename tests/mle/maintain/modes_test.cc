@@ -38,8 +38,11 @@ absl::StatusOr<Modes> Read(const std::string& text,
   const std::vector<HistorianSource> sources = {TextSource("a.csv", text)};
   const auto import = ImportHistorianSources(sources, Tank(), options);
   EXPECT_TRUE(import.ok()) << import.status();
-  return ReadModes(sources, Tank(), options, {{"FC7.MODE", channel}},
-                   import->records);
+  return ReadModes(
+      [&](const ProcessModel& channels, const HistorianOptions& how) {
+        return ImportHistorianSources(sources, channels, how);
+      },
+      Tank(), options, {{"FC7.MODE", channel}}, import->records);
 }
 
 // "0-2 5-5": the samples that are by hand.
@@ -52,6 +55,17 @@ std::string ByHandIn(const std::vector<std::string>& modes,
     absl::StrAppend(&text, text.empty() ? "" : " ", part.from, "-", part.to);
   }
   return text;
+}
+
+TEST(ModesTest, WordsHaveTheNumbersThatStandForThem) {
+  const absl::StatusOr<double> by_hand = ModeCode("Man");
+  const absl::StatusOr<double> cascade = ModeCode("CAS");
+  ASSERT_TRUE(by_hand.ok() && cascade.ok());
+  EXPECT_EQ(ByHandIn({absl::StrCat(*cascade), absl::StrCat(*by_hand),
+                      absl::StrCat(*cascade)}),
+            "1-1");
+  EXPECT_THAT(std::string(ModeCode("broken").status().message()),
+              HasSubstr("'broken' is not a mode"));
 }
 
 TEST(ModesTest, WordsAndNumbersAreKnown) {

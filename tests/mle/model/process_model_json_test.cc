@@ -51,6 +51,7 @@ void ExpectSame(const ProcessModel& a, const ProcessModel& b) {
   for (int j = 0; j < a.num_inputs(); ++j) {
     EXPECT_EQ(a.inputs()[j].unit, b.inputs()[j].unit);
     EXPECT_EQ(a.inputs()[j].role, b.inputs()[j].role);
+    EXPECT_EQ(a.inputs()[j].sampling, b.inputs()[j].sampling);
   }
   for (int i = 0; i < a.num_outputs(); ++i) {
     EXPECT_EQ(a.outputs()[i].unit, b.outputs()[i].unit);
@@ -303,8 +304,11 @@ TEST(FormatProcessModelTest, ComesBackToTheLastBit) {
   for (int trial = 0; trial < 50; ++trial) {
     ProcessModel model(
         "a \"quoted\" name, with \\ and \n and µ", "min",
-        {{"u1", "°C"}, {"u2", "", InputRole::kDisturbance}, {"u3", "m³"}},
-        {{"y1", "%"}, {"y2", "%"}});
+        {{"u1", "°C"},
+         {"u2", "", InputRole::kDisturbance, {.late_by = -uniform(engine)}},
+         {"u3", "m³"}},
+        {{"y1", "%", {.period = 240.0, .held = true, .late_by = 15.0}},
+         {"y2", "%", {.average = 5.0, .stamped_at_end = trial % 2 == 0}}});
     model.element(0, 0) = TransferFunction::FirstOrder(
         std::exp(200 * uniform(engine) - 100), uniform(engine) / 3.0,
         uniform(engine) * 1e-7);
@@ -332,6 +336,45 @@ TEST(FormatProcessModelTest, WritesFirstOrderElementsByGainAndTimeConstant) {
   EXPECT_THAT(text, Not(HasSubstr("\"input\": \"v\"")));  // Zero: left out.
   EXPECT_THAT(text, Not(HasSubstr("numerator")));
   EXPECT_THAT(text, Not(HasSubstr("role")));
+}
+
+TEST(ParseProcessModelTest, SamplingIsReadAndChecked) {
+  const auto parse = [](const std::string& of_input,
+                        const std::string& of_output) {
+    return ParseProcessModel(
+        absl::StrCat(
+            R"({"name": "m", "time_unit": "min", "inputs": [{"name": )",
+            R"("u", "unit": "", "sampling": )", of_input,
+            R"(}], "outputs": [{"name": "y", "unit": "", )", R"("sampling": )",
+            of_output, R"(}], "elements": []})"),
+        "plant.json");
+  };
+  const auto model =
+      parse(R"({"average": 5, "stamp": "start"})",
+            R"({"period": 240, "held": true, "late_by": -3, "average": 10,
+          "stamp": "end"})");
+  ASSERT_TRUE(model.ok()) << model.status();
+  const Sampling& input = model->inputs()[0].sampling;
+  EXPECT_EQ(input.InputLate(), 0.0);
+  const Sampling& output = model->outputs()[0].sampling;
+  EXPECT_EQ(output.period, 240.0);
+  EXPECT_TRUE(output.held);
+  EXPECT_EQ(output.OutputLate(), 2.0);
+  const auto message = [&](const std::string& of_input,
+                           const std::string& of_output) {
+    return std::string(parse(of_input, of_output).status().message());
+  };
+  EXPECT_THAT(message(R"({"period": 5})", "{}"),
+              AllOf(HasSubstr("inputs[0].sampling"), HasSubstr("period")));
+  EXPECT_THAT(message("{}", R"({"held": true})"),
+              AllOf(HasSubstr("outputs[0].sampling"),
+                    HasSubstr("held without period")));
+  EXPECT_THAT(message("{}", R"({"average": 5})"), HasSubstr("together"));
+  EXPECT_THAT(message("{}", R"({"average": 5, "stamp": "middle"})"),
+              HasSubstr("stamp: is \"middle\", must be \"start\" or \"end\""));
+  EXPECT_THAT(message("{}", R"({"average": -5, "stamp": "end"})"),
+              HasSubstr("outputs[0].sampling.average"));
+  EXPECT_THAT(message("{}", R"({"late": 5})"), HasSubstr("late_by"));
 }
 
 TEST(ReadProcessModelTest, ReadsTheConfigs) {
