@@ -96,7 +96,7 @@ absl::Status HistorianImporter::ChooseSampleTime(
   report.sample_time =
       options_.sample_time > 0.0 ? options_.sample_time : report.step;
   MLE_RETURN_IF_ERROR(ChooseStepOfExceptions(steps));
-  if (report.step > kMaxRefinement * report.sample_time) {
+  if (!(report.step <= kMaxRefinement * report.sample_time)) {
     return absl::InvalidArgumentError(absl::StrCat(
         probes_[0].source.name, ": sample_time is ", report.sample_time,
         ", but rows are ", report.step, " apart; it must be at least ",
