@@ -81,7 +81,9 @@ absl::Status StatusOf(CURL* curl, CURLcode code, const Answer& answer) {
         "its certificate is of another name, or not one that the system "
         "believes (the environment variable SSL_CERT_FILE names others)");
   }
-  const char* const word = curl_easy_strerror(code);
+  const char* const word = code == CURLE_OUT_OF_MEMORY
+                               ? "a line of its head is too long"
+                               : curl_easy_strerror(code);
   // The request may have arrived.
   return sent > 0 ? absl::DeadlineExceededError(
                         absl::StrCat("no answer came: ", word))

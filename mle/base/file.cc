@@ -1,6 +1,7 @@
 #include "mle/base/file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -215,6 +216,15 @@ void SyncFolder(const std::string& folder) {
   if (opened.get() >= 0) ::fsync(opened.get());
 }
 
+// How long a pipe is waited for.
+constexpr int kPipeSeconds = 5;
+
+// Whether the pipe has something to read, or has been closed by its writer.
+bool IsWrittenTo(int fd) {
+  pollfd pipe = {.fd = fd, .events = POLLIN, .revents = 0};
+  return ::poll(&pipe, 1, 1000 * kPipeSeconds) != 0;
+}
+
 // The content of an open file of about `size_hint` bytes.
 absl::StatusOr<std::string> ReadAll(int fd, std::size_t size_hint,
                                     const std::string& path) {
@@ -253,10 +263,14 @@ absl::Status CheckRegularFile(const std::string& path) {
 }
 
 absl::StatusOr<std::string> ReadFile(const std::string& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Without O_NONBLOCK opening a pipe waits for a writer, without an end.
+  const Descriptor file(
+      ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) return ErrnoStatus("cannot open", path);
   struct stat info = {};
-  if (::fstat(file.get(), &info) != 0) return ErrnoStatus("cannot read", path);
+  if (::fstat(file.get(), &info) != 0 || ::fcntl(file.get(), F_SETFL, 0) != 0) {
+    return ErrnoStatus("cannot read", path);
+  }
   if (S_ISDIR(info.st_mode)) {
     return absl::FailedPreconditionError(
         absl::StrCat("cannot read '", path, "': it is a folder, not a file"));
@@ -265,6 +279,11 @@ absl::StatusOr<std::string> ReadFile(const std::string& path) {
   if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode)) {
     return absl::FailedPreconditionError(
         absl::StrCat("cannot read '", path, "': it is not a regular file"));
+  }
+  if (S_ISFIFO(info.st_mode) && !IsWrittenTo(file.get())) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "cannot read '", path, "': it is a pipe that nobody wrote to within ",
+        kPipeSeconds, " s"));
   }
   try {
     return ReadAll(file.get(), static_cast<std::size_t>(info.st_size), path);

@@ -6,6 +6,11 @@
 #include <system_error>
 
 namespace mle {
+namespace {
+
+constexpr std::string_view kComputed = "=+-@";
+
+}  // namespace
 
 bool ReadCsvNumber(std::string_view text, double& number, char decimal) {
   if (text.starts_with('+')) {
@@ -47,7 +52,18 @@ std::string_view TrimCsvField(std::string_view text) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) {
     text.remove_suffix(1);
   }
+  if (text.size() > 2 && text[0] == '\'' &&
+      kComputed.find(text[1]) != std::string_view::npos) {
+    text.remove_prefix(1);
+  }
   return text;
+}
+
+bool IsComputed(std::string_view field) {
+  double number = 0.0;
+  return field.size() > 1 &&
+         kComputed.find(field[0]) != std::string_view::npos &&
+         !ReadCsvNumber(field, number);
 }
 
 std::string_view WithoutHash(std::string_view text) {

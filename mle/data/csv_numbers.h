@@ -21,8 +21,13 @@ void AppendCsvNumber(double number, std::string& text);
 // To kCsvTimeDigits significant digits.
 double RoundCsvTime(double time);
 
-// Without the blanks around it.
+// Without the blanks around it, and without the apostrophe before what a
+// spreadsheet would compute.
 std::string_view TrimCsvField(std::string_view text);
+
+// Whether a spreadsheet would compute the field: "=1+1", "@SUM(A1)", "-A1", but
+// not a number or a sign alone.
+bool IsComputed(std::string_view field);
 
 // The first name of a header, without a # that makes the header a comment.
 std::string_view WithoutHash(std::string_view text);

@@ -310,6 +310,11 @@ CsvRows::Scan CsvRows::Fault(std::string_view what) {
 }
 
 std::string QuoteCsvField(std::string_view field) {
+  std::string text;
+  if (IsComputed(field)) {
+    text = absl::StrCat("'", std::string(field));
+    field = text;
+  }
   // Blanks at the ends are quoted for those programs that drop them.
   const bool plain =
       field.find_first_of(",\"\r\n") == std::string_view::npos &&

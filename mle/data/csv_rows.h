@@ -104,7 +104,9 @@ class CsvRows : public RowSource {
   int line_ = 1;  // at begin_
 };
 
-// A field in double quotes where that is needed.
+// A field in double quotes where that is needed, with an apostrophe before what
+// a spreadsheet would compute (names such as "=1+1"), which TrimCsvField()
+// removes.
 std::string QuoteCsvField(std::string_view field);
 
 // Whether `text` is UTF-8 throughout.

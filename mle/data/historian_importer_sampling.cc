@@ -52,7 +52,7 @@ absl::Status HistorianImporter::ChooseSampleTime(
     }
   }
   MLE_RETURN_IF_ERROR(ChooseStepOfExceptions(steps));
-  if (report.step > kMaxRefinement * report.sample_time) {
+  if (!(report.step <= kMaxRefinement * report.sample_time)) {
     return absl::InvalidArgumentError(absl::StrCat(
         probes_[0].source.name, ": sample_time is ", report.sample_time,
         ", but rows are ", report.step, " apart; it must be at least ",

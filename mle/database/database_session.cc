@@ -96,6 +96,16 @@ void AddText(std::string_view value, RowBlock& rows) {
   rows.Add(clean);
 }
 
+void AddLimitedText(std::string_view value, const SqlLimits& limits,
+                    RowBlock& rows) {
+  if (value.size() > limits.max_value_bytes) {
+    throw soci::soci_error(absl::StrCat("a value is too big: ", value.size(),
+                                        " bytes, at most ",
+                                        limits.max_value_bytes));
+  }
+  AddText(value, rows);
+}
+
 void AddInteger(std::int64_t value, RowBlock& rows) {
   rows.Add(std::to_string(value));
 }

@@ -66,7 +66,7 @@ class OdbcBackend : public SqlBackend {
  public:
   OdbcBackend(const std::string& source, const std::string& user,
               const std::string& password, const SqlLimits& limits)
-      : max_wait_s_(limits.max_wait_s),
+      : limits_(limits),
         session_(std::make_unique<soci::session>(
             Parameters(source, user, password))) {
     auto& backend =
@@ -110,7 +110,7 @@ class OdbcBackend : public SqlBackend {
 
   void Define(Cell& cell);
 
-  const int max_wait_s_;
+  const SqlLimits limits_;
   std::unique_ptr<soci::session> session_;
   std::string quote_ = "\"";
   std::deque<Cell> cells_;  // which do not move
@@ -167,7 +167,8 @@ std::vector<SqlColumn> OdbcBackend::Start(const std::string& query) {
       static_cast<soci::odbc_statement_backend*>(statement_->get_backend())
           ->hstmt_,
       SQL_ATTR_QUERY_TIMEOUT,
-      reinterpret_cast<SQLPOINTER>(static_cast<std::uintptr_t>(max_wait_s_)),
+      reinterpret_cast<SQLPOINTER>(
+          static_cast<std::uintptr_t>(limits_.max_wait_s)),
       0);
   std::vector<SqlColumn> columns;
   const int size = statement_->get_backend()->prepare_for_describe();
@@ -195,7 +196,7 @@ int OdbcBackend::Read(int most, RowBlock& rows) {
                  cell.type == soci::dt_long_long) {
         AddInteger(cell.integer, rows);
       } else {
-        AddText(cell.text, rows);
+        AddLimitedText(cell.text, limits_, rows);
       }
     }
     ++count;

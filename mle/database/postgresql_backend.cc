@@ -33,7 +33,7 @@ constexpr int kFactor = 4;
 class PostgresqlBackend : public SqlBackend {
  public:
   PostgresqlBackend(const std::string& uri, const SqlLimits& limits)
-      : session_(soci::postgresql, uri) {
+      : limits_(limits), session_(soci::postgresql, uri) {
     session_ << absl::StrCat("SET statement_timeout = '", limits.max_wait_s,
                              "s'");
     // Dates in one form and, those with a zone, in UTC.
@@ -65,6 +65,7 @@ class PostgresqlBackend : public SqlBackend {
         ->result_;
   }
 
+  const SqlLimits limits_;
   soci::session session_;
   bool has_begun_ = false;
   std::optional<soci::statement> fetch_;
@@ -119,9 +120,9 @@ int PostgresqlBackend::Read(int most, RowBlock& rows) {
       if (PQgetisnull(result, r, c) != 0) {
         rows.Add("");
       } else {
-        AddText({PQgetvalue(result, r, c),
-                 static_cast<std::size_t>(PQgetlength(result, r, c))},
-                rows);
+        AddLimitedText({PQgetvalue(result, r, c),
+                        static_cast<std::size_t>(PQgetlength(result, r, c))},
+                       limits_, rows);
       }
     }
   }

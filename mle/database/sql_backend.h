@@ -24,7 +24,7 @@ struct SqlColumn {
 // Limits of a query; more is an error: a view need not end, and a value may be
 // as long as memory.
 struct SqlLimits {
-  std::size_t max_value_bytes = std::size_t{1} << 20;  // SQLite's; > 0
+  std::size_t max_value_bytes = std::size_t{1} << 20;  // > 0
   std::int64_t max_rows = 1'000'000'000;               // of a query
   int max_wait_s = 600;  // until the next rows have come; > 0
 };
@@ -62,6 +62,9 @@ class SqlBackend {
 // Values as fields of a row, which stay in one line of a message: line breaks
 // and tabs become blanks, other control characters are written as \x00.
 void AddText(std::string_view value, RowBlock& rows);
+// As AddText(); throws where the value has more bytes than `limits` allow.
+void AddLimitedText(std::string_view value, const SqlLimits& limits,
+                    RowBlock& rows);
 void AddInteger(std::int64_t value, RowBlock& rows);
 // With as many digits as make it the same number again.
 void AddNumber(double value, RowBlock& rows);

@@ -156,3 +156,14 @@ def test_control_in_and_out():
     model = mle.from_fopdt([[2.0]], 5.0)
     np.testing.assert_allclose(control.dcgain(mle.to_control(model)), 2.0)
     assert mle.from_systems(mle.to_control(model)) == model
+
+
+@pytest.mark.parametrize("kind", [kind for kind in vars(mle._mle).values() if isinstance(kind, type)])
+def test_objects_made_without_init_are_refused(kind):
+    """Their memory would be read before it is written."""
+    unmade = kind.__new__(kind)
+    properties = [name for name, value in vars(kind).items() if isinstance(value, property) and name[0] != "_"]
+    assert properties
+    for name in properties:
+        with pytest.raises(TypeError, match="without __init__"):
+            getattr(unmade, name)

@@ -85,6 +85,12 @@ TEST_F(FileTest, PipesAreReadToTheirEnd) {
   EXPECT_EQ(*read, content);
 }
 
+TEST_F(FileTest, APipeThatNobodyWritesToIsNotWaitedForWithoutAnEnd) {
+  const std::string pipe = Path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(Message(ReadFile(pipe).status()), HasSubstr("nobody wrote to"));
+}
+
 TEST_F(FileTest, FailedWriteLeavesNothing) {
   const absl::Status status = WriteFileAtomically(Path("no/such/a"), "x");
   EXPECT_TRUE(absl::IsNotFound(status)) << status;

@@ -52,6 +52,26 @@ void ExpectSame(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   }
 }
 
+TEST(RecordCsvTest, SpreadsheetsComputeNoNamesAndTheyAreReadBack) {
+  const ProcessModel model("odd", "min",
+                           {{"=cmd|' /C calc'!A0", ""}, {"-", ""}},
+                           {{"@SUM(A1)", ""}, {"+A1", ""}});
+  Record record;
+  record.sample_time = 1.0;
+  record.outputs = Eigen::MatrixXd::Random(2, 3);
+  record.inputs = Eigen::MatrixXd::Random(2, 3);
+  record.set_points = record.outputs;
+  const auto text = FormatRecordCsv(record, model);
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_EQ(text->substr(0, text->find('\n')),
+            "time,'@SUM(A1),'@SUM(A1)_setpoint,'+A1,'+A1_setpoint,"
+            "'=cmd|' /C calc'!A0,-");
+  const auto read = Parse(*text, 0.0, model);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ExpectSame(read->outputs, record.outputs);
+  ExpectSame(read->inputs, record.inputs);
+}
+
 TEST(RecordCsvTest, NamesMayHoldCommasQuotesAndLineBreaks) {
   const ProcessModel model("odd", "min", {{"steam, main", ""}},
                            {{"the \"level\"\nof tank 3 ", ""}});

@@ -116,6 +116,13 @@ TEST_F(PostgresqlTest, LongTables) {
       HasSubstr(", query: row "));
 }
 
+TEST_F(PostgresqlTest, LongValuesAreRefused) {
+  EXPECT_THAT(
+      ErrorFrom(name(), {.query = "SELECT time, level, repeat('1', 2000000) "
+                                  "AS steam FROM trend"}),
+      HasSubstr("a value is too big: 2000000 bytes"));
+}
+
 TEST_F(PostgresqlTest, TimesHaveTheirFractions) {
   server_->Run(
       "CREATE TABLE fast AS SELECT timestamptz '2024-03-10 06:00:00.5+02' + k "
