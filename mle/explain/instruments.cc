@@ -17,7 +17,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kLaguerre = 6;
+// Functions of each signal, fewer where there are few rows.
+constexpr Index kLaguerre = 6;
+constexpr Index kFewestLaguerre = 3;
 constexpr double kLaguerreTime = 0.6;  // of τ
 constexpr int kPlacebos = 40;
 // Signals with fewer moves are one instrument.
@@ -109,13 +111,13 @@ VectorXd Shifted(const VectorXd& values, Index shift) {
   return shifted;
 }
 
-// Its Laguerre functions (rows × kLaguerre).
+// Its Laguerre functions (rows × functions).
 MatrixXd Bank(const ExplainedOutput& output, const Signal& signal,
-              double share) {
+              Index functions, double share) {
   const double pole =
       std::exp(-output.sample_time() / (kLaguerreTime * output.tau()));
   const double scale = std::max(RangeOf(signal), 1e-300);
-  MatrixXd bank(static_cast<Index>(output.rows().size()), kLaguerre);
+  MatrixXd bank(static_cast<Index>(output.rows().size()), functions);
   Signal filtered;
   for (const VectorXd& values : signal) {
     const auto shift =
@@ -129,9 +131,9 @@ MatrixXd Bank(const ExplainedOutput& output, const Signal& signal,
     }
     filtered.push_back(std::move(first));
   }
-  for (int f = 0; f < kLaguerre; ++f) {
+  for (Index f = 0; f < functions; ++f) {
     bank.col(f) = output.RowMeans(filtered);
-    if (f + 1 == kLaguerre) break;
+    if (f + 1 == functions) break;
     for (VectorXd& values : filtered) {  // (q⁻¹ − pole) / (1 − pole q⁻¹)
       double input = 0.0;
       double before = 0.0;
@@ -184,8 +186,8 @@ void MostMoving(const ExplainedOutput& output, const Freed& freed,
   const VectorXd modelled = output.Modelled();
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t s = 0; s < signals.size(); ++s) {
-    const Eigen::BDCSVD<MatrixXd> svd(freed(Bank(output, signals[s], 0.0)),
-                                      Eigen::ComputeThinU);
+    const Eigen::BDCSVD<MatrixXd> svd(
+        freed(Bank(output, signals[s], kLaguerre, 0.0)), Eigen::ComputeThinU);
     order.emplace_back(-(svd.matrixU().transpose() * modelled).squaredNorm(),
                        s);
   }
@@ -255,19 +257,20 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
                   static_cast<double>(signals.size());
     signals = std::move(halves);
   }
+  const auto count = static_cast<Index>(signals.size());
+  const Index functions = std::min(kLaguerre, rows / (kLeastRows * count));
+  if (functions < kFewestLaguerre) {
+    return absl::FailedPreconditionError("the records are too short");
+  }
   const auto columns_at = [&](double share) {
-    MatrixXd columns(rows, kLaguerre * static_cast<Index>(signals.size()));
-    for (std::size_t s = 0; s < signals.size(); ++s) {
-      columns.middleCols(kLaguerre * static_cast<Index>(s), kLaguerre) =
-          freed(Bank(output, signals[s], share));
+    MatrixXd columns(rows, functions * count);
+    for (Index s = 0; s < count; ++s) {
+      columns.middleCols(functions * s, functions) = freed(
+          Bank(output, signals[static_cast<std::size_t>(s)], functions, share));
     }
     return columns;
   };
-
   const MatrixXd columns = columns_at(0.0);
-  if (rows < kLeastRows * columns.cols()) {
-    return absl::FailedPreconditionError("the records are too short");
-  }
   const Eigen::BDCSVD<MatrixXd> svd(columns,
                                     Eigen::ComputeThinU | Eigen::ComputeThinV);
   const VectorXd& sizes = svd.singularValues();
