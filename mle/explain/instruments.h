@@ -3,8 +3,9 @@
 //
 //   Q    orthonormal basis (rows × r) of the moves of the instruments, the
 //        earlier half of each apart from the later, so that what changed
-//        between them shows; each through six discrete Laguerre functions with
-//        a time constant of 0.6 τ, freed of an offset and a ramp for each
+//        between them shows; each through up to six discrete Laguerre functions
+//        (three at least, eight rows for each column) with a time constant of
+//        0.6 τ, freed of an offset and a ramp for each
 //        record (a sensor that drifts, a level that is not balanced) and of
 //        what earlier inputs leave, e^{−t/T};
 //   Q_s  the same with the moves shifted in time by s of the record, joined at

@@ -1,7 +1,11 @@
 // The product: a model and records in, a decision and the corrected model out.
 //
-//   records → health → windows → estimate → hold-out validation → decision
-//           → corrected model, diagnostics, certificate
+//   RecordData → Candidates → Validation → Verdict → CorrectionResult
+//
+// Records are examined and cut into windows; what may explain them is found
+// (an estimate by likelihood, explanations of what set points drive) and judged
+// by held-out data; the decision is made, output by output; and the result is
+// built: the model for use, diagnostics, certificates.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const CorrectionResult result,

@@ -21,6 +21,9 @@ namespace {
 
 // Samples on each side that one is compared with, for bursts of up to ten.
 constexpr int kWideHalfWidth = 12;
+// Outliers are few: of more than this share of the samples it is the model that
+// does not fit, or the noise.
+constexpr double kMostOutliers = 0.025;
 
 // Samples of one output that stand out of those around them, in what the model
 // leaves of them too: a response that turns within the half width stands out,
@@ -66,6 +69,26 @@ std::vector<int> OutputsToSearch(const ProcessModel& model,
     }
   }
   return outputs;
+}
+
+bool AreFew(const OutlierReport& report, const std::vector<Record>& windows,
+            int output) {
+  double known = 0.0;
+  for (const Record& window : windows) {
+    known += static_cast<double>(
+        window.outputs.row(output).array().isFinite().count());
+  }
+  return report.marked[0] <= kMostOutliers * known;
+}
+
+Message NotOutliers(const std::string& name, int samples) {
+  return {MessageCode::kUnmeasured,
+          name,
+          absl::StrCat(name, ": ", samples,
+                       " samples are as far from the model's prediction as "
+                       "outliers, which are not so many: the model does not "
+                       "fit there. These samples are used."),
+          {}};
 }
 
 // Reports the outliers that the model found in an output.
@@ -129,13 +152,18 @@ absl::Status SearchOutliers(const ProcessModel& model,
     // An output that cannot be fitted is reported where the model is fitted.
     if (!reports[n].ok()) continue;
     const int i = outputs[n];
+    const std::string& name = model.outputs()[i].name;
+    if (!AreFew(*reports[n], windows, i)) {
+      data.warnings.push_back(NotOutliers(name, reports[n]->marked[0]));
+      continue;
+    }
     for (std::size_t w = 0; w < data.windows.size(); ++w) {
       Record& window = data.windows[w].record;
       window.outputs.row(i) =
           searched[n][w].outputs.row(0).tail(window.samples());
     }
     data.outliers_by_model[i] = reports[n]->marked[0];
-    ReportOutliers(model.outputs()[i].name, *reports[n], data);
+    ReportOutliers(name, *reports[n], data);
   }
   return absl::OkStatus();
 }
