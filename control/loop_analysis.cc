@@ -406,8 +406,8 @@ absl::Status CheckLoop(const Mpc& mpc, const PredictionModel& plant) {
   MLE_RETURN_IF_ERROR(plant.Validate());
   const PredictionModel& model = mpc.model();
   if (plant.num_outputs != model.num_outputs || plant.roles != model.roles ||
-      std::abs(plant.control_period - model.control_period) >
-          1e-9 * model.control_period) {
+      !(std::abs(plant.control_period - model.control_period) <=
+        1e-9 * model.control_period)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the plant has ", plant.num_outputs, " outputs, ", plant.num_inputs(),
         " inputs and control_period = ", plant.control_period,

@@ -49,8 +49,8 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
 
 absl::StatusOr<Mpc> Mpc::CreateAtRest(PredictionModel model,
                                       const MpcOptions& options) {
-  if (std::abs(model.control_period - options.control_period) >
-      1e-9 * options.control_period) {
+  if (!(std::abs(model.control_period - options.control_period) <=
+        1e-9 * options.control_period)) {
     return absl::InvalidArgumentError(
         absl::StrCat("control_period = ", options.control_period,
                      ", but the prediction model has ", model.control_period));

@@ -27,7 +27,7 @@ absl::Status ValidateWeight(const MatrixXd& weight, int size, const char* name,
   }
   const double tolerance = 1e-12 * weight.cwiseAbs().maxCoeff();
   const double asymmetry = (weight - weight.transpose()).cwiseAbs().maxCoeff();
-  if (asymmetry > tolerance) {
+  if (!(asymmetry <= tolerance)) {
     return absl::InvalidArgumentError(
         absl::StrCat(name, " differs from its transpose by up to ", asymmetry,
                      ", but it must be symmetric"));
@@ -36,7 +36,7 @@ absl::Status ValidateWeight(const MatrixXd& weight, int size, const char* name,
       Eigen::SelfAdjointEigenSolver<MatrixXd>(weight, Eigen::EigenvaluesOnly)
           .eigenvalues()
           .minCoeff();
-  if (smallest < -tolerance * size) {
+  if (!(smallest >= -tolerance * size)) {
     return absl::InvalidArgumentError(
         absl::StrCat(name, " has the eigenvalue ", smallest,
                      ", but it must be positive semi-definite"));

@@ -109,10 +109,11 @@ double WorstUnsettled(const StepResponse& response) {
 absl::Status CheckSettled(const StepResponse& response, double tolerance) {
   for (int i = 0; i < response.num_outputs; ++i) {
     for (int j = 0; j < response.num_inputs; ++j) {
-      if (response.element(i, j).cwiseAbs().maxCoeff() > kUnbounded) {
-        return absl::FailedPreconditionError(
-            absl::StrCat("the step response of output ", i + 1, " to input ",
-                         j + 1, " grows without bound: the model is unstable"));
+      const auto element = response.element(i, j);
+      if (!element.allFinite() || element.cwiseAbs().maxCoeff() > kUnbounded) {
+        return absl::FailedPreconditionError(absl::StrCat(
+            "the step response of output ", i + 1, " to input ", j + 1,
+            " is not finite or grows without bound: the model is unstable"));
       }
       const double left = Unsettled(response, i, j);
       if (left <= tolerance) continue;
@@ -249,7 +250,8 @@ absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
   MLE_RETURN_IF_ERROR(model.Validate());
   MLE_RETURN_IF_ERROR(CheckControlPeriod(control_period));
   const double periods = SettlingPeriods(model, control_period);
-  if ((periods + 1.0) * model.num_outputs() * model.num_inputs() > kMaxValues) {
+  if (!((periods + 1.0) * model.num_outputs() * model.num_inputs() <=
+        kMaxValues)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the model '", model.name(), "' settles in ", periods,
         " control periods of ", control_period, ": too many for its ",

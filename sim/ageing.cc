@@ -31,12 +31,12 @@ absl::Status CheckElement(const TransferFunction& element,
         absl::StrCat("falling = ", ageing.falling,
                      ", but the element integrates: it must be 1"));
   }
-  if (element.delay() + ageing.delay.Min() < 0.0) {
+  if (!(element.delay() + ageing.delay.Min() >= 0.0)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "delay falls by ", -ageing.delay.Min(), ", but the dead time is only ",
         element.delay(), "; it must not become negative"));
   }
-  if (ageing.delay.MaxSlope() >= 1.0) {
+  if (!(ageing.delay.MaxSlope() < 1.0)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "delay grows by ", ageing.delay.MaxSlope(),
         " per unit of time; a dead time must grow slower than time (< 1). For "

@@ -56,7 +56,7 @@ absl::StatusOr<ContinuousPlant> ContinuousPlant::Create(
         options.start_time, ", but both must be finite and the first > 0"));
   }
   MLE_RETURN_IF_ERROR(system.Validate());
-  if (options.sample_time / system.largest_step > kMaxStepsPerSample) {
+  if (!(options.sample_time / system.largest_step <= kMaxStepsPerSample)) {
     return absl::InvalidArgumentError(
         absl::StrCat("largest_step = ", system.largest_step,
                      " is too fine for sample_time ", "= ", options.sample_time,

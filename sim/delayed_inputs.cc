@@ -19,18 +19,18 @@ absl::Status CheckPath(const InputPath& path, int num_inputs,
         absl::StrCat("input = ", path.input, ", but it must be one of 0 … ",
                      num_inputs - 1));
   }
-  if (path.delay.Min() < 0.0) {
+  if (!(path.delay.Min() >= 0.0)) {
     return absl::InvalidArgumentError(
         absl::StrCat("the dead time falls to ", path.delay.Min(),
                      "; it must not be negative"));
   }
-  if (path.delay.Max() / sample_time > kMaxDelaySamples) {
+  if (!(path.delay.Max() / sample_time <= kMaxDelaySamples)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the delay of ", path.delay.Max(), " is ",
         path.delay.Max() / sample_time, " samples, but at most ",
         kMaxDelaySamples, " are supported; use a longer sample time"));
   }
-  if (path.delay.MaxSlope() >= 1.0) {
+  if (!(path.delay.MaxSlope() < 1.0)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the dead time grows by ", path.delay.MaxSlope(),
         " per unit of time; it must grow slower than time itself (< 1)"));

@@ -163,7 +163,7 @@ absl::Status ReadSetPoint(const JsonNode& node, int output, Effects& effects) {
       const auto ramps,
       ReadRows(node, "ramps", 3, "[time, duration ≥ 0, change]"));
   for (const std::vector<double>& ramp : ramps) {
-    if (ramp[1] < 0.0) {
+    if (!(ramp[1] >= 0.0)) {
       return node.At("ramps").Fault("the duration of a ramp must be ≥ 0");
     }
     effects.ramps.push_back(
@@ -323,7 +323,7 @@ absl::Status Effects::AddTo(SetPointProfile& profile, double duration,
   constexpr double kMostMoves = 10000.0;
   Append(ramps, profile.moves);
   for (const OptimiserOptions& optimiser : optimisers) {
-    if (duration / optimiser.interval > kMostMoves) {
+    if (!(duration / optimiser.interval <= kMostMoves)) {
       return absl::InvalidArgumentError(absl::StrCat(
           "optimiser: interval = ", optimiser.interval, ", but a run of ",
           duration, " may have at most ", kMostMoves, " moves"));

@@ -58,7 +58,7 @@ absl::Status CheckRows(const ExperimentOptions& options,
   const double first = options.windows.first_change();
   const double window = options.windows.window;
   const double duration = options.windows.run_duration();
-  if (first - window < -1e-9 || first + window > duration + 1e-9) {
+  if (!(first - window >= -1e-9) || !(first + window <= duration + 1e-9)) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--window=%g around --step_time=%g reaches from %g to %g, the record "
         "from 0 to --duration=%g",

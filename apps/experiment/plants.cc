@@ -176,7 +176,7 @@ absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
       const double gain = LogUniform(change.gain_factor, engine);
       const double tau = LogUniform(change.time_constant_factor, engine);
       const double shift = mismatch.size * Uniform(change.delay_shift, engine);
-      if (aged.element(i, j).delay() + shift < 0.0) {
+      if (!(aged.element(i, j).delay() + shift >= 0.0)) {
         return absl::InvalidArgumentError(absl::StrFormat(
             "mismatch '%s': a shift of %g would make the dead time of %s ← %s, "
             "%g, negative",

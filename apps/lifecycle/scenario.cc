@@ -21,12 +21,12 @@ absl::Status SetPointOptions::Validate() const {
   MLE_RETURN_IF_ERROR(sim::CheckPositive("duration", duration));
   MLE_RETURN_IF_ERROR(sim::CheckPositive("change_every", change_every));
   MLE_RETURN_IF_ERROR(sim::CheckPositive("grid", grid));
-  if (change_every > duration) {
+  if (!(change_every <= duration)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "change_every = ", change_every, ", but all years are only ", duration,
         "; there would be no change"));
   }
-  if (duration / change_every > kMaxEvents) {
+  if (!(duration / change_every <= kMaxEvents)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "change_every = ", change_every, " makes ", duration / change_every,
         " changes; up to ", kMaxEvents, " are possible"));

@@ -127,7 +127,7 @@ absl::Status ReadSteps(const Request& request, Simulation& simulation) {
                        ParseNamedSteps("setpoints", request.set_points,
                                        NamesOf(model.outputs())));
   for (const NamedStep& step : set_points) {
-    if (step.time > simulation.loop.duration) {
+    if (!(step.time <= simulation.loop.duration)) {
       return absl::InvalidArgumentError(absl::StrCat(
           "--setpoints: a step of '", model.outputs()[step.channel].name,
           "' at ", step.time, " comes after the end of the run, --duration=",

@@ -40,7 +40,7 @@ absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step) {
         max, step));
   }
   const double count = std::floor(max / step * (1.0 + 1e-12));
-  if (count > 1e7) {
+  if (!(count <= 1e7)) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "a grid of λ up to %g in steps of %g has %.3g values; at most 1e7", max,
         step, count + 1.0));

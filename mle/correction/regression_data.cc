@@ -18,8 +18,8 @@ absl::Status CheckWindow(const Record& window, const ArxModel& model,
         window.num_outputs(), window.num_inputs(), model.num_outputs,
         model.num_inputs));
   }
-  if (std::abs(window.sample_time - model.sample_time) >
-      1e-9 * model.sample_time) {
+  if (!(std::abs(window.sample_time - model.sample_time) <=
+        1e-9 * model.sample_time)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("window %d is sampled every %g, the model every %g",
                         number, window.sample_time, model.sample_time));

@@ -264,8 +264,8 @@ absl::Status CheckRecords(const std::vector<Record>& records,
                        record.num_inputs(), " inputs; the model has ",
                        model.num_outputs(), " and ", model.num_inputs()));
     }
-    if (std::abs(record.sample_time - records.front().sample_time) >
-        1e-9 * records.front().sample_time) {
+    if (!(std::abs(record.sample_time - records.front().sample_time) <=
+          1e-9 * records.front().sample_time)) {
       return absl::InvalidArgumentError(
           absl::StrCat(name, " is sampled every ", record.sample_time,
                        ", the first record every ", records.front().sample_time,

@@ -230,7 +230,8 @@ absl::Status TransferFunction::Validate() const {
         " overflows when divided by its leading or "
         "last coefficient; give the coefficients in a more even range"));
   }
-  if (const double time = delay_ + SlowestTimeConstant(); time > kLongestTime) {
+  if (const double time = delay_ + SlowestTimeConstant();
+      !(time <= kLongestTime)) {
     return absl::InvalidArgumentError(
         absl::StrCat("delay and slowest time constant are together ", time,
                      ", must be at most ", kLongestTime));

@@ -177,7 +177,7 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
         "watch: no element has a dead time or a time constant, so that how "
         "long a change takes is not known");
   }
-  if (settling / sample_time > kMostSettling) {
+  if (!(settling / sample_time <= kMostSettling)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "watch: responses of the model settle after ", settling, " ",
         model.time_unit(), ", ", settling / sample_time, " samples; at most ",

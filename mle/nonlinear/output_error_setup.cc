@@ -169,7 +169,7 @@ absl::Status CheckGains(const ProcessModel& model, int i,
     const double largest = input_sizes[j];
     const double gain =
         std::max(std::abs(initial[j].gain), LargestGain(model.element(i, j)));
-    if (gain * largest > kLargest) {
+    if (!(gain * largest <= kLargest)) {
       return absl::InvalidArgumentError(absl::StrCat(
           Name(model, i, j), ": a gain of ", gain, " makes responses up to ",
           gain * largest, "; they may not exceed ", kLargest,

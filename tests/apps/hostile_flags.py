@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Runs of the commands with flags that nobody should give.
+"""Runs of the commands with flags and files that nobody should give.
 
     hostile_flags.py --apps=DIR [--seconds=N] [--first=CASE] [--count=N] [COMMAND…]
 
 A case is a usual, small run of a command in which one to three things are others: flags (of all
 that `--help=all` names), or numbers in the files that it reads. They are at the ends of their
-ranges and beyond, no numbers, other texts. It must end with exit code 0, 1 or 2, and with 2 say
-one line last, which begins with "error: "; JSON that it writes is valid and has no NaN. What runs
-longer than --patience may have been asked for: it is told to stop, twice at most, and must. The
-number of a case makes it again: `--first=CASE --count=1`, with the same commands.
+ranges and beyond, no numbers, other texts. `records` in the place of a command are usual runs of
+mle_correct with an extreme record, `files` such of mle_correct and mle_convert with a file that is
+no record and no model (hostile_files.py). A case must end with exit code 0, 1 or 2, and with 2 say
+one line last, which begins with "error: "; it says no NaN and no infinity, and JSON that it writes
+is valid. What runs longer than --patience may have been asked for: it is told to stop, twice at
+most, and must; `records` and `files` must end within a minute. The number of a case makes it
+again: `--first=CASE --count=1`, with the same commands.
 
 Memory is limited, so that what is asked for without bounds is refused.
 """
@@ -26,6 +29,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+from hostile_files import extreme_record, in_another_unit, odd_files
 
 MEMORY = 4 << 30  # bytes of addresses
 STOPPING = 20.0  # s, within which a command stops when it is told to
@@ -88,6 +93,7 @@ FILES = {"convert": ["model.json"],
          "simulate": ["model.json", "plant.json", "effects.json", "ageing.json"],
          "study": ["campaign.json", "model.json"],
          "watch": ["controllers.json", "model.json", "records/days.csv"]}
+MINUTE = 60.0  # s
 
 
 def numbers(draw):
@@ -184,9 +190,13 @@ class World:
         return [(name, default) for name, default in found if name not in NOT_TRIED]
 
     def case(self, number, commands):
-        """(command, its arguments, texts of files that are others)."""
+        """(command, its arguments, contents of files that are others, kind of these or "")."""
         draw = random.Random(number)
         command = draw.choice(commands)
+        if command == "records":
+            return self.extreme_case(draw)
+        if command == "files":
+            return self.odd_case(number)
         arguments = list(self.usual[command])
         files = {}
         given = dict(argument[2:].split("=", 1) for argument in arguments if "=" in argument)
@@ -206,7 +216,38 @@ class World:
             else:
                 value = texts(draw)
             arguments.append(f"--{name}={value}")
-        return command, arguments, files
+        return command, arguments, files, ""
+
+    def extreme_case(self, draw):
+        """A record in extreme units, an extreme record, or also a model that is another."""
+        record, model = ((self.folder / name).read_text() for name in ("run.csv", "model.json"))
+        kind = draw.random()
+        if kind < 0.4:
+            record, model = in_another_unit(record, json.loads(model), draw)
+            return "correct", self.usual["correct"], {"run.csv": record, "model.json": json.dumps(model)}, "extreme"
+        files = {"run.csv": extreme_record(record, draw)}
+        if kind < 0.6:
+            files["model.json"] = with_numbers(model, draw)
+        return "correct", self.usual["correct"], files, "extreme"
+
+    def odd_case(self, number):
+        """Each kind of file in each place in turn."""
+        places = [("correct", "run.csv", []), ("correct", "model.json", []),
+                  ("correct", "tags.csv", ["--tag_file=tags.csv"]),
+                  ("correct", "model.mat", ["--model=model.mat"]), ("convert", "model.json", [])]
+        command, file, more = places[number % len(places)]
+        usual = "run.csv" if file == "run.csv" else "model.json"
+        kinds = odd_files((self.folder / usual).read_text())
+        name, content = kinds[number // len(places) % len(kinds)]
+        return command, [*self.usual[command], *more], {file: content}, name
+
+
+def put(path, content):
+    """Texts, bytes, or what makes it."""
+    if callable(content):
+        content(path)
+    else:
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
 def limit_memory():
@@ -230,18 +271,19 @@ def check_files(folder, given):
 
 def run_case(world, number, commands, patience):
     """Exit code, or None where it was ended. Raises AssertionError for a finding."""
-    command, arguments, files = world.case(number, commands)
+    command, arguments, files, kind = world.case(number, commands)
+    patience = MINUTE if kind else patience
     with tempfile.TemporaryDirectory(dir=world.folder) as folder:
         folder = pathlib.Path(folder)
-        for file in {*FILES[command], "records/days.csv"}:
+        for file in {*FILES[command], "records/days.csv", *files}:
             (folder / file).parent.mkdir(exist_ok=True)
-            (folder / file).write_text(files.get(file) or (world.folder / file).read_text())
+            put(folder / file, files[file] if file in files else (world.folder / file).read_bytes())
         process = subprocess.Popen([world.apps / f"mle_{command}", *arguments], cwd=folder, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=limit_memory,
                                    start_new_session=True)
         for told_to_stop, wait in ((0, patience), (1, STOPPING), (2, 5.0)):
             try:
-                _, err = process.communicate(timeout=wait)
+                out, err = process.communicate(timeout=wait)
                 break
             except subprocess.TimeoutExpired:
                 process.send_signal(signal.SIGTERM)
@@ -251,6 +293,8 @@ def run_case(world, number, commands, patience):
             raise AssertionError("does not stop when it is told to twice")
         text = err.decode(errors="replace")
         code = process.returncode
+        if told_to_stop and kind:
+            raise AssertionError(f"does not end within {patience} s: {text[-2000:]}")
         if told_to_stop and code in (-signal.SIGTERM, 128 + signal.SIGTERM):
             return None
         if code not in (0, 1, 2):
@@ -261,9 +305,11 @@ def run_case(world, number, commands, patience):
             raise AssertionError(f"exit code 2 with {len(errors)} errors: {text[-2000:]}")
         if code == 2 and len(errors[0]) < 20:
             raise AssertionError(f"an error that says nothing: {errors[0]}")
-        if re.search(r"\bnan\b|Check failed|\*\*\*", text) and "nan" not in " ".join(arguments).lower():
-            raise AssertionError(f"says {text[-2000:]}")
-        check_files(folder, FILES[command])
+        own = re.sub("'[^'\n]*'", "''", out.decode(errors="replace") + text)  # without what is quoted
+        said = re.search(r".*((?<![\w.])(nan|inf)(?![\w.])|Check failed|\*\*\*).*", own)
+        if said and not re.search("nan|inf", " ".join(arguments).lower()):
+            raise AssertionError(f"says {said[0][-2000:]}")
+        check_files(folder, {*FILES[command], *files})
         return code
 
 
@@ -276,7 +322,7 @@ def main():
     parser.add_argument("--patience", type=float, default=10.0, help="s, after which a run is ended")
     parser.add_argument("commands", nargs="*", metavar="COMMAND")
     flags = parser.parse_args()
-    commands = flags.commands or list(FILES)
+    commands = flags.commands or [*FILES, "records", "files"]
     first = flags.first if flags.first is not None else time.time_ns() // 1_000_000 * 1000
     begin = time.monotonic()
     codes = {}
@@ -290,8 +336,8 @@ def main():
                 codes[code] = codes.get(code, 0) + 1
             except AssertionError as error:
                 findings += 1
-                command, arguments, files = world.case(number, commands)
-                print(f"case {number}: mle_{command} {' '.join(a[:200] for a in arguments)!r}, {sorted(files)}\n"
+                command, arguments, files, kind = world.case(number, commands)
+                print(f"case {number}: mle_{command} {' '.join(a[:200] for a in arguments)!r}, {sorted(files)} {kind}\n"
                       f"  {error}", flush=True)
             number += 1
     print(f"{number - first} runs: {codes.get(0, 0)} done, {codes.get(1, 0)} not usable, {codes.get(2, 0)} refused, "

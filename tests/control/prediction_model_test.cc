@@ -1,5 +1,6 @@
 #include "control/prediction_model.h"
 
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -142,6 +143,15 @@ TEST(PredictionModelTest, RefusesAResponseThatIsCutOff) {
   EXPECT_TRUE(
       PredictFromStepResponse(slow.ComputeStepResponse(1.0, 101), {}, 1.0, 0.1)
           .ok());
+}
+
+TEST(PredictionModelTest, RefusesAResponseThatIsNotFinite) {
+  StepResponse response = MixedModel().ComputeStepResponse(0.2, 501);
+  response.values(7, 0) = std::numeric_limits<double>::quiet_NaN();
+  const auto prediction = PredictFromStepResponse(response, {}, 1.0);
+  EXPECT_EQ(prediction.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(prediction.status().message()),
+              HasSubstr("not finite"));
 }
 
 TEST(PredictionModelTest, RefusesArgumentsThatDoNotFit) {
