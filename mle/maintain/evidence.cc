@@ -275,7 +275,9 @@ Evidence GatherEvidence(const CorrectionResult& result,
     if (competition != nullptr) {
       output.instruments = EvidenceByInstruments(result, *competition, i);
     }
-    if (!output.instruments.has_value()) output.unexplained = unexplained[i];
+    if (!output.instruments.has_value()) {
+      output.unexplained = unexplained[i] && !IsAveraged(result, i);
+    }
   }
   return evidence;
 }

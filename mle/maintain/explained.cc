@@ -34,6 +34,16 @@ double BelievedDelay(const CorrectionResult& result,
   return std::abs(clock) > MostOfClock(result, i) ? clock : 0.0;
 }
 
+// By how much a dead time has changed that is as well one of stamps; 0 of any
+// other explanation.
+double LateOf(const CorrectionResult& result, const Competition& competition,
+              int i, const Explanation& one) {
+  if (one.kind != ExplanationKind::kDeadTime) return 0.0;
+  const double late = competition.Explained(i, one.index).delay -
+                      result.initial.element(i, one.index).delay();
+  return MayBeStamps(result, i, late) ? late : 0.0;
+}
+
 bool IsClock(ExplanationKind kind) {
   return kind == ExplanationKind::kOutputClock ||
          kind == ExplanationKind::kInputClock;
@@ -88,7 +98,8 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (model.element(i, j).IsZero()) continue;
     for (const TakenExplanation& one : taken) {
-      if (IsAgeing(one.explanation.kind) && one.explanation.index == j) {
+      if (IsAgeing(one.explanation.kind) && one.explanation.index == j &&
+          LateOf(result, competition, i, one.explanation) == 0.0) {
         aged[j] = true;
       }
     }
@@ -176,6 +187,18 @@ std::string Others(const CorrectionResult& result,
   std::string text;
   for (const TakenExplanation& one : competition.outputs()[i].taken) {
     const Explanation& explanation = one.explanation;
+    if (const double late = LateOf(result, competition, i, explanation);
+        late != 0.0 && ClockMatters(result, i, explanation.index, late)) {
+      absl::StrAppend(
+          &text, text.empty() ? "" : " ",
+          absl::StrFormat("The dead time of %s is %.2g %s %s, or the time "
+                          "stamps of %s are wrong by as much. ",
+                          PairName(result.initial, i, explanation.index),
+                          std::abs(late), result.initial.time_unit(),
+                          late < 0.0 ? "shorter" : "longer",
+                          result.initial.outputs()[i].name),
+          TypeOf(ExplanationKind::kOutputClock).settled_by);
+    }
     if (IsAgeing(explanation.kind)) continue;
     if (IsClock(explanation.kind) &&
         BelievedDelay(result, competition, i,
@@ -345,6 +368,12 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   for (const TakenExplanation& one : output.taken) {
     const ExplanationKind kind = one.explanation.kind;
     reversed = reversed || kind == ExplanationKind::kReversed;
+    if (LateOf(result, competition, i, one.explanation) != 0.0 &&
+        !evidence.other.empty()) {
+      if (!any_other) evidence.code = MessageCode::kClock;
+      any_other = true;
+      correctable = false;
+    }
     if (IsAgeing(kind)) continue;
     if (!any_other) evidence.code = CodeOf(kind);
     any_other = true;

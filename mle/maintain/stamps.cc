@@ -26,12 +26,14 @@ constexpr int kNowAndThen = 3;
 // in standard errors, which count.
 constexpr double kAlike = 0.3;
 constexpr double kDeviations = 2.0;
-// Shifts that are tried to each side, and by what factor the controller's model
-// may leave more with one than the proposed model leaves; and the share of what
-// this leaves that is far less.
+// Shifts that are tried to each side; the share of what the proposed model
+// explains that is as much, and of what it leaves that is far less.
 constexpr int kShifts = 8;
-constexpr double kAsLittle = 1.2;
+constexpr double kAsMuch = 0.8;
 constexpr double kFarLess = 0.5;
+// The share of a sample by which means of what lies between samples shift it,
+// with what they seem to.
+constexpr double kOfSample = 0.75;
 // What an estimate makes of an average, in what the average does.
 constexpr double kOfAverage = 1.5;
 
@@ -47,6 +49,17 @@ double TimeOfMeasurement(const CorrectionResult& result, int output) {
   if (DeclaredOf(result, output) != Sampling()) return 0.0;
   const int samples = MeasuredEvery(result.data.records, output);
   return samples >= kNowAndThen ? samples * result.data.sample_time() : 0.0;
+}
+
+// By how much its samples may seem late or early since they are averages, or
+// stamped so, if nothing is declared.
+double MostOfStamps(const CorrectionResult& result, int output) {
+  if (!(result.options.decision.clock_error > 0.0) ||
+      DeclaredOf(result, output) != Sampling()) {
+    return 0.0;
+  }
+  return std::max(TimeOfMeasurement(result, output),
+                  kOfSample * result.data.sample_time());
 }
 
 // The sum of squares that an output leaves of a model's row simulated in the
@@ -78,17 +91,20 @@ double Misfit(const CorrectionResult& result, const ProcessModel& model,
 }
 
 // By how much the output's samples would have to be late, up to `most`, for the
-// controller's model to leave as little as the proposed one, or for this to
+// controller's model to explain as much as the proposed one, or for this to
 // leave far less; 0: by nothing.
 double LateInstead(const CorrectionResult& result, int output, double most) {
   const ProcessModel& proposed =
       result.estimate.fit.output_error.corrected.model;
+  const double before = Misfit(result, result.initial, output, 0.0);
   const double left = Misfit(result, proposed, output, 0.0);
   double best = 0.0;
-  for (const auto& [model, share] : {std::pair(&result.initial, kAsLittle),
-                                     std::pair(&proposed, kFarLess)}) {
+  for (const auto& [model, enough] :
+       {std::pair(&result.initial,
+                  before - kAsMuch * std::max(before - left, 0.0)),
+        std::pair(&proposed, kFarLess * left)}) {
     if (best != 0.0) break;
-    double least = share * left;
+    double least = enough;
     for (int step = -kShifts; step <= kShifts; ++step) {
       const double late = most * step / kShifts;
       const double misfit =
@@ -166,11 +182,17 @@ double LeastChange(const CorrectionResult& result, int output, int input) {
       least, kOfAverage * LostByAverage(response, width) / response.norm());
 }
 
+bool MayBeStamps(const CorrectionResult& result, int output, double late) {
+  return std::abs(late) <= MostOfStamps(result, output);
+}
+
+bool IsAveraged(const CorrectionResult& result, int output) {
+  return DeclaredOf(result, output).average > 0.0;
+}
+
 std::optional<Message> ExplainedByStamps(const CorrectionResult& result,
                                          int output) {
-  const double most = result.options.decision.clock_error > 0.0
-                          ? TimeOfMeasurement(result, output)
-                          : 0.0;
+  const double most = MostOfStamps(result, output);
   if (most == 0.0) return std::nullopt;
   double late = CommonDelay(result, output);
   if (!(std::abs(late) <= most)) late = 0.0;
@@ -182,12 +204,11 @@ std::optional<Message> ExplainedByStamps(const CorrectionResult& result,
       MessageCode::kClock,
       name,
       absl::StrFormat(
-          "The samples of %s seem to be %.2g %s too %s, no more than the %.3g "
-          "%s in which it is measured once: they may be stamped so, or be "
+          "The samples of %s seem to be %.2g %s too %s, no more than the time "
+          "in which it is measured once: they may be stamped so, or be "
           "averages, or all its dead times have changed. Declare its sampling "
           "(late_by, average) in the model or the file of tags.",
-          name, std::abs(late), unit, late > 0.0 ? "late" : "early", most,
-          unit),
+          name, std::abs(late), unit, late > 0.0 ? "late" : "early"),
       {"clock_error"}};
 }
 

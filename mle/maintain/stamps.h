@@ -21,6 +21,15 @@ double MostOfClock(const CorrectionResult& result, int output);
 // DecisionOptions::least_change, or what the declared average does to it.
 double LeastChange(const CorrectionResult& result, int output, int input);
 
+// Whether the output's samples are declared to be means, which no model of
+// responses explains to the last.
+bool IsAveraged(const CorrectionResult& result, int output);
+
+// Whether its samples may seem late by so much since they are averages, or are
+// stamped so: by less than a sample, or than the time in which the output is
+// measured once, if nothing is declared.
+bool MayBeStamps(const CorrectionResult& result, int output, double late);
+
 // A message where stamps that are wrong by no more than the time in which an
 // output is measured once do what the proposal for it does: it makes all dead
 // times longer, or shorter, alike, or leaves no less than the controller's
