@@ -183,7 +183,8 @@ double LeastChange(const CorrectionResult& result, int output, int input) {
 }
 
 bool MayBeStamps(const CorrectionResult& result, int output, double late) {
-  return std::abs(late) <= MostOfStamps(result, output);
+  return std::abs(late) <= kOfSample * result.data.sample_time() &&
+         MostOfStamps(result, output) > 0.0;
 }
 
 bool IsAveraged(const CorrectionResult& result, int output) {

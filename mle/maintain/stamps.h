@@ -25,9 +25,9 @@ double LeastChange(const CorrectionResult& result, int output, int input);
 // responses explains to the last.
 bool IsAveraged(const CorrectionResult& result, int output);
 
-// Whether its samples may seem late by so much since they are averages, or are
-// stamped so: by less than a sample, or than the time in which the output is
-// measured once, if nothing is declared.
+// Whether one of its dead times may seem longer by so much since its samples
+// are averages, or are stamped so: by less than a sample, if nothing is
+// declared.
 bool MayBeStamps(const CorrectionResult& result, int output, double late);
 
 // A message where stamps that are wrong by no more than the time in which an
