@@ -218,8 +218,9 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
     evidence.not_ageing = NotAgeing(result, i);
-    if (!evidence.not_ageing)
+    if (!evidence.not_ageing.has_value()) {
       evidence.not_ageing = ExplainedByStamps(result, i);
+    }
   }
   const EstimateFit& fit = result.estimate.fit;
   evidence.unnamed =
