@@ -338,8 +338,9 @@ def manual(trial, names, start, length, change):
 
 
 def averages(trial, at_end, declared=False):
-    """All tags are means over a third of a time constant, stamped at its end or beginning; set
-    points are what holds at the stamp. Where it is declared, the model says so."""
+    """All tags are means in time over a third of a time constant, stamped at its end or beginning:
+    of inputs held from row to row, of outputs on lines between rows; set points are what holds at
+    the stamp. Where it is declared, the model says so."""
     period = trial.plant.control_period
     length = max(2, round(trial.about(0.3, 1.3) * trial.time_constant / period))
     samples = length * round(period / trial.plant.sample_time)
@@ -353,6 +354,8 @@ def averages(trial, at_end, declared=False):
                 columns[name] = [values[k + samples if at_end else k] for k in blocks]
                 continue
             numbers = [float(value) for value in values]
+            if name in trial.outputs:
+                numbers = [0.5 * (a + b) for a, b in zip(numbers, numbers[1:])]
             columns[name] = [repr(math.fsum(numbers[k:k + samples]) / samples) for k in blocks]
         for channel in (case.model["inputs"] + case.model["outputs"]) * declared:
             channel["sampling"] = {"average": length * period,
@@ -426,6 +429,7 @@ def by_hand(trial):
         case.columns["mode"] = [
             "MAN" if any(begin <= float(time) < end for begin, end in periods) else "CAS"
             for time in case.columns["time"]]
+        case.header.append("mode")
     trial.spoil.append(change)
     trial.correct["mode_tag"] = f"mode={name}"
 

@@ -109,7 +109,13 @@ HistorianOptions OptionsOfModes(const HistorianOptions& options,
   for (const TagMapping& tag : options.columns.tags) {
     if (tag.channel == output) result.columns.tags.push_back(tag);
   }
+  // Set points of other outputs stand in the file, too.
   result.columns.unused_tags.clear();
+  for (const OutputChannel& other : model.outputs()) {
+    if (other.name != output) {
+      result.columns.unused_tags.push_back(SetPointName(other.name));
+    }
+  }
   for (std::size_t t = 0; t < tags.size(); ++t) {
     result.columns.tags.push_back({tags[t].tag, absl::StrCat("mode ", t + 1)});
   }

@@ -189,6 +189,7 @@ for path in sorted((source / "configs").glob("effects_*.json")):
     check("effects", path)
 check("controllers", source / "configs/controllers.json")
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
+check("process_model", source / "tests/fuzz/corpus/process_model/sampled.json")
 check("discrete_model", source / "configs/heater_z.json")
 check("step_response_model", source / "tests/fuzz/corpus/step_response_model/tank.json")
 with tempfile.TemporaryDirectory() as folder:

@@ -68,6 +68,28 @@ TEST(ModesTest, WordsHaveTheNumbersThatStandForThem) {
               HasSubstr("'broken' is not a mode"));
 }
 
+TEST(ModesTest, SetPointsOfOtherOutputsStandInTheFileToo) {
+  const ProcessModel model("tank", "min", {{"steam", ""}},
+                           {{"level", ""}, {"warmth", ""}});
+  const std::vector<HistorianSource> sources = {TextSource(
+      "a.csv",
+      "time,level,level_setpoint,warmth,warmth_setpoint,steam,FC7.MODE\n"
+      "0,1,1,2,2,3,CAS\n1,1,1,2,2,4,MAN\n2,1,1,2,2,4,CAS\n")};
+  const auto import = [&](const ProcessModel& channels,
+                          const HistorianOptions& how) {
+    return ImportHistorianSources(sources, channels, how);
+  };
+  HistorianOptions options;
+  options.columns.unused_tags = {"FC7.MODE"};
+  const auto records = import(model, options);
+  ASSERT_TRUE(records.ok()) << records.status();
+  const auto modes = ReadModes(import, model, options, {{"FC7.MODE", "steam"}},
+                               records->records);
+  ASSERT_TRUE(modes.ok()) << modes.status();
+  ASSERT_EQ(modes->by_hand.size(), 1u);
+  EXPECT_EQ(modes->by_hand[0].from, 1.0);
+}
+
 TEST(ModesTest, WordsAndNumbersAreKnown) {
   EXPECT_EQ(ByHandIn({"MAN", "Man", "CAS", "RCAS", "OFF", "ON", "SHED"}),
             "0-1 4-4 6-6");
