@@ -138,7 +138,6 @@ TEST(ChangeConfirmationTest, WhatIsNotNamedIsFound) {
   EXPECT_TRUE(changes.restarted);
   EXPECT_NEAR(changes.point.values[0].gain, 2.6, 0.05);
   EXPECT_NEAR(changes.point.values[1].gain, -3.6, 0.05);
-  EXPECT_GT(changes.missing_p_value, kLevel);
   EXPECT_EQ(fitted.Confirm({true, false}).changed, changes.changed);
 }
 
@@ -151,7 +150,6 @@ TEST(ChangeConfirmationTest, OfNoChangeNothingIsMissing) {
         FitTo(model, MakeRecords(model, 400, seed, {.variance = 0.01}));
     const ConfirmedChanges changes = fitted.Confirm({false, false});
     for (const bool changed : changes.changed) found += changed ? 1 : 0;
-    EXPECT_GT(changes.missing_p_value, kLevel);
   }
   EXPECT_EQ(found, 0);
 }
