@@ -188,6 +188,12 @@ double OutputExplanation::EvidenceOf(double fall, double by_unit) const {
   return independent * std::log1p(fall / (by_unit * independent));
 }
 
+bool OutputExplanation::HasTie(const Explanation& explanation) const {
+  return std::any_of(ties.begin(), ties.end(), [&](const Tie& tie) {
+    return tie.taken.SameAs(explanation);
+  });
+}
+
 bool OutputExplanation::AnyAgeing() const { return AnyTaken(*this, true); }
 bool OutputExplanation::AnyOther() const { return AnyTaken(*this, false); }
 

@@ -92,7 +92,8 @@ struct OutputExplanation {
   std::optional<TakenExplanation> next;
   // An explanation in place of one that was taken that explains nearly as much,
   // all others estimated again beside it, improbabilities included: changes of
-  // two elements within 5 M, others within a tenth of N.
+  // two elements within 5 M, others within a tenth of N. Of a change during the
+  // records any other within 5 M.
   struct Tie {
     Explanation taken;
     Explanation rival;
@@ -115,6 +116,8 @@ struct OutputExplanation {
   double EvidenceOf(double fall) const { return EvidenceOf(fall, unit); }
   double EvidenceOf(double fall, double by_unit) const;
   bool AnyAgeing() const;
+  // Whether another explanation does as well as one that was taken.
+  bool HasTie(const Explanation& explanation) const;
   bool AnyOther() const;
   // E/N, what known averages do taken off; an explanation may be missing above
   // kMuchLeft.

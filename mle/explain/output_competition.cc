@@ -369,14 +369,17 @@ void OutputCompetition::FindTies() {
   const std::vector<Explanation> all = Explanations();
   const double score = Score(all, energy_, CostOf(chance_));
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!IsAgeing(all[i].kind)) continue;
+    const bool changed = all[i].kind == ExplanationKind::kChangeDuringRecord;
+    if (!IsAgeing(all[i].kind) && !changed) continue;
     MatrixXd directions;
     for (const Fit& fit :
          Candidates(Without(all, i), CostOf(chance_), directions)) {
       const Explanation& rival = fit.explanations.back();
-      const bool elements = IsAgeing(rival.kind);
-      // Explanations of one element, or its input, do much the same.
-      if (TypeOf(rival.kind).place != ExplanationPlace::kOutput &&
+      if (rival.SameAs(all[i])) continue;
+      const bool elements = changed || IsAgeing(rival.kind);
+      // Explanations of one element, or its input, do much the same; but a
+      // curve is no change.
+      if (!changed && TypeOf(rival.kind).place != ExplanationPlace::kOutput &&
           rival.index == all[i].index) {
         continue;
       }

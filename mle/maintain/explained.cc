@@ -98,12 +98,16 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
       }
     }
     if (BelievedDelay(candidates, i, j) != 0.0) aged[j] = true;
-    // Of a gain that changed during the record its value at the end holds; of
-    // one that changed for a time the records do not say what holds.
+    // Of a gain that changed during the record its value at the end holds, if
+    // nothing else explains it as well: a load's step, a curve. Of one that
+    // changed for a time the records do not say what holds.
     for (const TakenExplanation& one : taken) {
       if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
           one.explanation.index == j) {
-        aged[j] = Lasts(one.explanation);
+        aged[j] =
+            Lasts(one.explanation) &&
+            !candidates.competition->outputs()[i].HasTie(one.explanation) &&
+            ProposesElement(candidates.estimate, i, j);
       }
     }
     if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;

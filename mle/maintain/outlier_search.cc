@@ -21,8 +21,8 @@ namespace {
 
 // Samples on each side that one is compared with, for bursts of up to ten.
 constexpr int kWideHalfWidth = 12;
-// Outliers are few: of more than this share of the samples it is the model that
-// does not fit, or the noise.
+// Outliers are few: where more than this share of the samples begin a run of
+// them it is the model that does not fit, or the noise.
 constexpr double kMostOutliers = 0.025;
 
 // Samples of one output that stand out of those around them, in what the model
@@ -78,7 +78,7 @@ bool AreFew(const OutlierReport& report, const std::vector<Record>& windows,
     known += static_cast<double>(
         window.outputs.row(output).array().isFinite().count());
   }
-  return report.marked[0] <= kMostOutliers * known;
+  return report.bursts[0] <= kMostOutliers * known;
 }
 
 Message NotOutliers(const std::string& name, int samples) {

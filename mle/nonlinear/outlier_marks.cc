@@ -70,6 +70,7 @@ absl::StatusOr<OutlierReport> JudgeOutliers(
   const int p = model.num_outputs();
   OutlierReport report;
   report.marked.assign(p, 0);
+  report.bursts.assign(p, 0);
   report.longest.assign(p, 0);
   report.left.assign(p, 0);
   for (int i = 0; i < p; ++i) {
@@ -85,6 +86,7 @@ absl::StatusOr<OutlierReport> JudgeOutliers(
             .segment(run.first, run.samples)
             .setConstant(kNaN);
         report.marked[i] += run.samples;
+        ++report.bursts[i];
         report.longest[i] = std::max(report.longest[i], run.samples);
       }
     }

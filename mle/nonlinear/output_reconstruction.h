@@ -57,6 +57,7 @@ struct OutlierMarkOptions {
 
 struct OutlierReport {
   std::vector<int> marked;   // p: samples that are NaN now
+  std::vector<int> bursts;   // p: runs of them
   std::vector<int> longest;  // p: most in a row
   // p: samples as far off that are kept, as part of a disturbance.
   std::vector<int> left;

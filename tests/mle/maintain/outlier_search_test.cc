@@ -72,5 +72,25 @@ TEST(OutlierSearch, AsksTheModelWhereASampleStandsOutOfWhatItLeaves) {
   EXPECT_FALSE(std::isnan(data.windows[0].record.outputs(0, 140)));
 }
 
+// One sample in twenty: it is the model that does not fit.
+TEST(OutlierSearch, ManyAreNoOutliers) {
+  const ProcessModel model = FastTank();
+  RecordData data = WithPeaks(model);
+  for (SetPointWindow& window : data.windows) {
+    for (int k = 7; k < kOutlierSamples; k += 20) {
+      window.record.outputs(0, k) += k % 40 == 7 ? 1.0 : -1.0;
+    }
+  }
+  ASSERT_TRUE(
+      SearchOutliers(model, RecordOptions(), OneThread(), {}, data).ok());
+  EXPECT_EQ(data.outliers_by_model, std::vector<int>{0});
+  for (const SetPointWindow& window : data.windows) {
+    EXPECT_TRUE(window.record.outputs.allFinite());
+  }
+  ASSERT_EQ(data.warnings.size(), 1u);
+  EXPECT_EQ(data.warnings[0].code, MessageCode::kUnmeasured);
+  EXPECT_EQ(data.warnings[0].place, "level");
+}
+
 }  // namespace
 }  // namespace mle
