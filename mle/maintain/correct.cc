@@ -36,7 +36,7 @@ int ChangesOf(const RecordData& data) {
 }
 
 // The order of the ARX model, and of the lags of diagnostics.
-int ArxOrderOf(const Candidates& candidates) {
+int OrderOfModel(const Candidates& candidates) {
   return candidates.options.estimation.conversion.OrderFor(
       candidates.initial, candidates.sample_time());
 }
@@ -44,7 +44,7 @@ int ArxOrderOf(const Candidates& candidates) {
 absl::StatusOr<Validation> Judge(const Candidates& candidates) {
   const CorrectOptions& options = candidates.options;
   return ValidateByHoldOut(candidates.estimate, candidates.windows,
-                           ChangesOf(candidates.data), ArxOrderOf(candidates),
+                           ChangesOf(candidates.data), OrderOfModel(candidates),
                            options.hold_out, options.in_use, options.threads,
                            options.progress);
 }
@@ -134,7 +134,7 @@ void NoteHorizon(CorrectionResult& result) {
 absl::StatusOr<CorrectionResult> Build(Candidates candidates,
                                        Validation validation, Verdict verdict) {
   MLE_ASSIGN_OR_RETURN(Estimate estimate, TakeAccepted(candidates, verdict));
-  const int order = ArxOrderOf(candidates);
+  const int order = OrderOfModel(candidates);
   CorrectionResult result;
   result.initial = std::move(candidates.initial);
   result.options = std::move(candidates.options);
