@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/data/csv_numbers.h"
 #include "mle/data/file_kind.h"
 
 namespace mle {
