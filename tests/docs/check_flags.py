@@ -14,15 +14,11 @@ OF_OTHERS = {"oversubscribe"}
 
 
 def flags_of_commands(source):
-    """Names of flags by command."""
+    """Names of flags by command: an entry of the page has one, or those that it names as in another."""
     flags = {}
-    command = None
-    for line in (source / "docs/commands.md").read_text().splitlines():
-        if line.startswith("## "):
-            command = line[3:].strip()
-            flags[command] = {"help", "helpfull", "version", "flagfile"}
-        elif match := re.match(r"- `--(\w+)`", line):
-            flags[command].add(match.group(1))
+    for section in (source / "docs/commands.md").read_text().split("\n## ")[1:]:
+        entries = re.findall(r"^- (`--\w+`(?:,\s+`--\w+`)*)", section, re.MULTILINE)
+        flags[section.split()[0]] = {"helpfull", *re.findall(r"\w+", " ".join(entries))}
     return flags
 
 
