@@ -39,45 +39,82 @@ bool Shell(const std::string& command) {
 
 }  // namespace
 
-bool PostgresqlServer::IsInstalled() { return !Programs().empty(); }
-
-PostgresqlServer::PostgresqlServer() {
-  if (geteuid() == 0) Shell("chown postgres:postgres " + folder_);
-  fs::permissions(folder_, fs::perms::all);
-  const std::string data = folder_ + "/data";
-  if (!Shell("cd " + folder_ + " && " +
-             AsServer(Programs() + "initdb -D " + data +
-                      " -U postgres --auth=trust --no-sync -E UTF8 "
-                      "--locale=C.UTF-8 >" +
-                      folder_ + "/initdb.log 2>&1"))) {
-    return;
+// The server of the process, which its tests use one after the other: it takes
+// seconds to set one up.
+class PostgresqlServer::Shared {
+ public:
+  Shared() {
+    if (geteuid() == 0) Shell("chown postgres:postgres " + folder());
+    fs::permissions(folder(), fs::perms::all);
+    if (!Shell("cd " + folder() + " && " +
+               AsServer(Programs() + "initdb -D " + folder() +
+                        "/data -U postgres --auth=trust --no-sync -E UTF8 "
+                        "--locale=C.UTF-8 >" +
+                        folder() + "/initdb.log 2>&1"))) {
+      return;
+    }
+    scratch_.Write("data/pg_hba.conf",
+                   "local all reader scram-sha-256\nlocal all all trust\n");
+    scratch_.Write("data/postgresql.auto.conf",
+                   "listen_addresses = ''\nunix_socket_directories = '" +
+                       folder() +
+                       "'\nfsync = off\ntimezone = 'America/New_York'\n"
+                       "datestyle = 'SQL, DMY'\n");
   }
-  scratch_.Write("data/pg_hba.conf",
-                 "local all reader scram-sha-256\nlocal all all trust\n");
-  scratch_.Write("data/postgresql.auto.conf",
-                 "listen_addresses = ''\nunix_socket_directories = '" +
-                     folder_ +
-                     "'\nfsync = off\ntimezone = 'America/New_York'\n"
-                     "datestyle = 'SQL, DMY'\n");
-  is_running_ =
-      Shell("cd " + folder_ + " && " +
-            AsServer(Programs() + "pg_ctl -D " + data + " -l " + folder_ +
-                     "/server.log -w start >/dev/null 2>&1"));
-  if (!is_running_) return;
-  Shell("psql -q -h " + folder_ + " -U postgres -c 'CREATE DATABASE plant'");
-  Run("CREATE ROLE open LOGIN IN ROLE pg_read_all_data;"
-      "CREATE ROLE reader LOGIN IN ROLE pg_read_all_data PASSWORD '" +
-      std::string(kPassword) + "';");
+  ~Shared() { Kill(); }
+
+  const std::string& folder() const { return scratch_.path(); }
+  const ScratchFolder& scratch() const { return scratch_; }
+
+  bool Start() {
+    if (is_running_) return true;
+    is_running_ = Control("-l " + folder() + "/server.log -w start");
+    return is_running_;
+  }
+  void Kill() {
+    if (is_running_) Control("-m immediate stop");
+    is_running_ = false;
+  }
+
+ private:
+  bool Control(const std::string& what) const {
+    return Shell("cd " + folder() + " && " +
+                 AsServer(Programs() + "pg_ctl -D " + folder() + "/data " +
+                          what + " >/dev/null 2>&1"));
+  }
+
+  const ScratchFolder scratch_;
+  bool is_running_ = false;
+};
+
+PostgresqlServer::Shared& PostgresqlServer::Process() {
+  static Shared shared;
+  return shared;
 }
 
-PostgresqlServer::~PostgresqlServer() { Kill(); }
+bool PostgresqlServer::IsInstalled() { return !Programs().empty(); }
+
+PostgresqlServer::PostgresqlServer()
+    : scratch_(Process().scratch()), folder_(scratch_.path()) {
+  is_running_ = Process().Start();
+  if (!is_running_) return;
+  // Nothing of an earlier test is left.
+  const std::string script = scratch_.Write(
+      "begin.sql",
+      "DROP DATABASE IF EXISTS plant WITH (FORCE);\n"
+      "SELECT format('DROP ROLE %I', rolname) FROM pg_roles "
+      "WHERE rolname !~ '^(pg_|postgres$)' \\gexec\n"
+      "CREATE DATABASE plant;\n"
+      "CREATE ROLE open LOGIN IN ROLE pg_read_all_data;\n"
+      "CREATE ROLE reader LOGIN IN ROLE pg_read_all_data PASSWORD '" +
+          std::string(kPassword) + "';\n");
+  Shell("psql -q -v ON_ERROR_STOP=1 -h " + folder_ + " -U postgres -f " +
+        script + " >/dev/null 2>&1");
+}
 
 void PostgresqlServer::Kill() {
-  if (!is_running_) return;
+  if (is_running_) Process().Kill();
   is_running_ = false;
-  Shell("cd " + folder_ + " && " +
-        AsServer(Programs() + "pg_ctl -D " + folder_ +
-                 "/data -m immediate stop >/dev/null 2>&1"));
 }
 
 std::string PostgresqlServer::name(const std::string& role) const {

@@ -1,7 +1,8 @@
-// A PostgreSQL server of its own for a test: in a temporary folder, on a socket
-// there, in a zone and with a form of dates that are not the usual ones. The
-// database `plant` is empty. Roles: `postgres` and `open` (who may read all)
-// need no password, `reader` (who may read all) has one.
+// A PostgreSQL server for a test: in a temporary folder, on a socket there, in
+// a zone and with a form of dates that are not the usual ones. One server
+// serves all tests of a process, one after the other; the database `plant` is
+// empty at the beginning of each. Roles: `postgres` and `open` (who may read
+// all) need no password, `reader` (who may read all) has one.
 
 #ifndef TESTS_MLE_DATABASE_POSTGRESQL_SERVER_H_
 #define TESTS_MLE_DATABASE_POSTGRESQL_SERVER_H_
@@ -15,7 +16,6 @@ namespace mle {
 class PostgresqlServer {
  public:
   PostgresqlServer();
-  ~PostgresqlServer();
   PostgresqlServer(const PostgresqlServer&) = delete;
   PostgresqlServer& operator=(const PostgresqlServer&) = delete;
 
@@ -35,8 +35,11 @@ class PostgresqlServer {
   void Kill();
 
  private:
-  const ScratchFolder scratch_;
-  const std::string folder_ = scratch_.path();
+  class Shared;
+  static Shared& Process();
+
+  const ScratchFolder& scratch_;
+  const std::string folder_;
   bool is_running_ = false;
 };
 
