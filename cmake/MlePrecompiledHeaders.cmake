@@ -14,8 +14,11 @@ function(mle_use_precompiled_headers carrier)
   endif()
   foreach(target IN LISTS ARGN)
     target_precompile_headers(${target} REUSE_FROM ${carrier})
+    get_target_property(type ${target} TYPE)
     if(carrier STREQUAL mle_headers_of_tests)
       target_compile_options(${target} PRIVATE ${mle_flags_of_tests})
+    elseif(type STREQUAL EXECUTABLE)
+      target_compile_options(${target} PRIVATE -fPIC) # as those headers
     endif()
   endforeach()
 endfunction()
@@ -35,7 +38,7 @@ endfunction()
 # functions (-Bsymbolic-functions): a program has one copy of each, which else may
 # be the test's, and the libraries would run as slowly.
 set(mle_flags_of_tests)
-if(BUILD_SHARED_LIBS AND CMAKE_SHARED_LINKER_FLAGS MATCHES "-Bsymbolic-functions")
+if(MLE_BUILD_TESTS AND BUILD_SHARED_LIBS AND CMAKE_SHARED_LINKER_FLAGS MATCHES "-Bsymbolic-functions")
   set(mle_flags_of_tests -O0)
 endif()
 

@@ -50,9 +50,27 @@ function(mle_add_test name)
   target_link_libraries(${name} PRIVATE
     ${ARG_DEPENDS} mle_build_flags GTest::gtest GTest::gmock GTest::gtest_main)
   mle_use_precompiled_headers(mle_headers_of_tests ${name})
-  # The names of parameters, without their bytes.
-  gtest_discover_tests(${name} NO_PRETTY_VALUES
-    PROPERTIES LABELS ${ARG_LABEL}
-    DISCOVERY_MODE PRE_TEST
-    DISCOVERY_TIMEOUT 60)
+  mle_add_suites(${name} ${ARG_LABEL} ${ARG_SOURCES})
+endfunction()
+
+# mle_add_suites(PROGRAM LABEL SOURCE…): each suite of GoogleTest is a test of
+# ctest, PROGRAM.SUITE. The tests of a suite share a process: to start one takes
+# longer than most tests do. A suite counts as skipped if all of its tests do.
+set(mle_all_skipped "  PASSED  . 0 tests.\n.  SKIPPED . [0-9]+ tests?, listed below:(\n.  SKIPPED . [^\n]*)+\n*$")
+function(mle_add_suites program label)
+  set(suites)
+  list(FILTER ARGN INCLUDE REGEX "_test.cc$")
+  foreach(source IN LISTS ARGN)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+    file(STRINGS ${source} tests REGEX "^TEST(_[FP])?\\(")
+    list(TRANSFORM tests REPLACE "^TEST[_FP]*\\(([A-Za-z0-9_]+),.*" "\\1")
+    list(APPEND suites ${tests})
+  endforeach()
+  list(REMOVE_DUPLICATES suites)
+  foreach(suite IN LISTS suites)
+    add_test(NAME ${program}.${suite}
+      COMMAND ${program} "--gtest_filter=${suite}.*:*/${suite}.*")
+    set_tests_properties(${program}.${suite} PROPERTIES
+      LABELS ${label} SKIP_REGULAR_EXPRESSION "${mle_all_skipped}")
+  endforeach()
 endfunction()

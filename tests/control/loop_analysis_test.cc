@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/Eigenvalues"
 #include "gtest/gtest.h"
 #include "tests/control/analysed_loops.h"
+#include "tests/mle/base/optimised_algebra.h"
 #include "tests/sim/test_models.h"
 
 namespace mle::control {
@@ -103,10 +103,7 @@ struct Modes {
 // Several modes at 1 are off by more than one is: `margin`.
 Modes EigenvalueModes(const Mpc& mpc, const PredictionModel& plant,
                       double margin = 1e-6) {
-  const VectorXd sizes =
-      Eigen::EigenSolver<MatrixXd>(ClosedLoopMatrix(mpc, plant), false)
-          .eigenvalues()
-          .cwiseAbs();
+  const VectorXd sizes = Eigenvalues(ClosedLoopMatrix(mpc, plant)).cwiseAbs();
   return {sizes.maxCoeff(),
           static_cast<int>((sizes.array() > 1.0 + margin).count())};
 }

@@ -9,7 +9,7 @@
 namespace mle::report {
 namespace {
 
-Table Example() {
+Table ExampleTable() {
   Table table{
       .caption = "Errors",
       .columns = {{"case", Align::kLeft}, {"E"}, {"ok", Align::kCenter}}};
@@ -19,7 +19,7 @@ Table Example() {
 }
 
 TEST(RenderText, AlignsColumns) {
-  EXPECT_EQ(RenderText(Example()),
+  EXPECT_EQ(RenderText(ExampleTable()),
             "Errors\n"
             "case         E  ok\n"
             "───────  ─────  ───\n"
@@ -82,7 +82,7 @@ TEST(RenderHtml, CellsThatAreStackedHaveTheirHeaders) {
 }
 
 TEST(RenderHtml, HasCaptionScopesAndAlignment) {
-  EXPECT_EQ(RenderHtml(Example()),
+  EXPECT_EQ(RenderHtml(ExampleTable()),
             "<table>\n<caption>Errors</caption>\n<thead>\n"
             "<tr><th scope=\"col\" class=\"left\">case</th>"
             "<th scope=\"col\" class=\"right\">E</th>"

@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 
 constexpr int kDay = 20000;
-constexpr int kSamplesOfDay = 96;  // every 15 min
+constexpr int kSamplesADay = 96;  // every 15 min
 
 // Samples from `first` to `last`, counted from the begin of kDay; output and
 // input tell which.
@@ -31,13 +31,13 @@ DatedRecords Data(std::vector<Record> records) {
 }
 
 TEST(DaysTest, ADayIsOverWithItsLastSample) {
-  EXPECT_THAT(ClosedDays(Data({Samples(-10, kSamplesOfDay - 1)})),
+  EXPECT_THAT(ClosedDays(Data({Samples(-10, kSamplesADay - 1)})),
               ElementsAre(kDay - 1, kDay));
-  EXPECT_THAT(ClosedDays(Data({Samples(-10, kSamplesOfDay - 3)})),
+  EXPECT_THAT(ClosedDays(Data({Samples(-10, kSamplesADay - 3)})),
               ElementsAre(kDay - 1));
   // Later records say so too, though the end of the day is missing.
   EXPECT_THAT(ClosedDays(Data({Samples(0, 10),
-                               Samples(2 * kSamplesOfDay, 3 * kSamplesOfDay)})),
+                               Samples(2 * kSamplesADay, 3 * kSamplesADay)})),
               ElementsAre(kDay, kDay + 2));
 }
 
@@ -45,7 +45,7 @@ TEST(DaysTest, ADayHasWhatGoesBeforeIt) {
   const DatedRecords data = Data({Samples(-50, 30), Samples(40, 200)});
   const WatchBatch batch = DayOf(data, kDay, 20);
   EXPECT_EQ(batch.first, 20);
-  ASSERT_EQ(batch.record.samples(), 20 + kSamplesOfDay);
+  ASSERT_EQ(batch.record.samples(), 20 + kSamplesADay);
   for (int k = 0; k < batch.record.samples(); ++k) {
     const int number = k - 20;
     if (number > 30 && number < 40) {

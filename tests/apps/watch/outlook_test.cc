@@ -23,7 +23,7 @@ using ::testing::StartsWith;
 constexpr int kDays = 200;
 constexpr double kInformation = 2500.0;  // a standard error of 2 % a day
 
-ProcessModel Tank() {
+ProcessModel TankAhead() {
   const absl::StatusOr<ProcessModel> model = ParseProcessModel(
       R"({"name": "tank", "time_unit": "min",
           "inputs": [{"name": "steam", "unit": ""}],
@@ -63,15 +63,15 @@ Watch WatchOf(double of_day, int every) {
   return watch;
 }
 
-Report ReportOf(const Watch& watch) {
+Report OutlookOf(const Watch& watch) {
   Controller controller;
   controller.name = "tank";
-  return MakeReport(controller, Tank(), watch);
+  return MakeReport(controller, TankAhead(), watch);
 }
 
 TEST(OutlookTest, ATrendIsSaidWithItsRate) {
   const Watch watch = WatchOf(-0.002, 2);
-  const Report report = ReportOf(watch);
+  const Report report = OutlookOf(watch);
   ASSERT_EQ(report.outlook.trends.size(), 1U);
   const OutputTrend& trend = report.outlook.trends[0];
   EXPECT_EQ(trend.course.state, AgeingCourse::State::kTrend);
@@ -95,12 +95,12 @@ TEST(OutlookTest, ThePageBeginsWithWhatIsKnownNow) {
   const Alarm alarm{.output = 0, .element = -1, .text = "As of that day."};
   Watch watch = WatchOf(-0.002, 2);
   watch.alarms = {alarm};
-  EXPECT_THAT(ReportOf(watch).sentence,
+  EXPECT_THAT(OutlookOf(watch).sentence,
               StartsWith("The model of level has aged. The gain of level ← "
                          "steam has changed by −"));
   watch = WatchOf(0.0, 60);
   watch.alarms = {alarm};
-  EXPECT_EQ(ReportOf(watch).sentence, "As of that day.");
+  EXPECT_EQ(OutlookOf(watch).sentence, "As of that day.");
 }
 
 TEST(OutlookTest, DeadTimesAreInTheModelsUnit) {
@@ -108,7 +108,7 @@ TEST(OutlookTest, DeadTimesAreInTheModelsUnit) {
   for (auto& [day, stored] : watch.outputs[0]) {
     stored.batch.score = stored.batch.score.reverse().eval();
   }
-  const Report report = ReportOf(watch);
+  const Report report = OutlookOf(watch);
   const OutputTrend& trend = report.outlook.trends[0];
   ASSERT_EQ(trend.course.parameter, 2);
   // s = max(10 min, 20/5 min, 3 · 5 min).
@@ -118,7 +118,7 @@ TEST(OutlookTest, DeadTimesAreInTheModelsUnit) {
 
 TEST(OutlookTest, FewDaysTellNoTrendAndAreAskedFor) {
   const Watch watch = WatchOf(0.0, 60);
-  const Report report = ReportOf(watch);
+  const Report report = OutlookOf(watch);
   EXPECT_EQ(report.outlook.trends[0].course.state,
             AgeingCourse::State::kTooShort);
   ASSERT_TRUE(report.outlook.next.has_value());
@@ -138,7 +138,7 @@ TEST(OutlookTest, FewDaysTellNoTrendAndAreAskedFor) {
 
 TEST(OutlookTest, WithManyDaysNothingIsAskedFor) {
   const Watch watch = WatchOf(0.0, 1);
-  const Report report = ReportOf(watch);
+  const Report report = OutlookOf(watch);
   ASSERT_TRUE(report.outlook.next.has_value());
   EXPECT_EQ(report.outlook.next->next.state, NextChange::State::kEnough);
 }
@@ -146,7 +146,7 @@ TEST(OutlookTest, WithManyDaysNothingIsAskedFor) {
 TEST(OutlookTest, WithoutAReferenceNothingIsSaid) {
   Watch watch = WatchOf(0.0, 1);
   watch.reference.reset();
-  const Report report = ReportOf(watch);
+  const Report report = OutlookOf(watch);
   EXPECT_THAT(report.outlook.trends, IsEmpty());
   EXPECT_FALSE(report.outlook.next.has_value());
   const auto json = nlohmann::json::parse(FormatController(report));

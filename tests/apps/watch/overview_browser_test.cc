@@ -22,13 +22,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr int kControllers = 1000;
+constexpr int kListed = 1000;
 
 // A tenth has aged, of which half is acknowledged; a twentieth cannot be read.
 class Site1000 {
  public:
   Site1000() {
-    for (int i = 0; i < kControllers; ++i) {
+    for (int i = 0; i < kListed; ++i) {
       const bool is_aged = i % 10 == 3;
       watches_.push_back(WatchedSite::MakeWatch("", is_aged));
       Watch& watch = watches_.back();
@@ -79,18 +79,18 @@ TEST_P(OverviewBrowserTest, AThousandRowsAreSortedAndFiltered) {
     EXPECT_EQ(found["unreachable"], nlohmann::json::array());
     EXPECT_EQ(found["requests"], nlohmann::json::array());
     const nlohmann::json& table = found["filtered"];
-    EXPECT_EQ(table["rows"], kControllers);
-    EXPECT_EQ(table["shown"], kControllers);
+    EXPECT_EQ(table["rows"], kListed);
+    EXPECT_EQ(table["shown"], kListed);
     // Alarms that nobody has acknowledged come first.
     EXPECT_EQ(table["first"], "unit 00:FIC-013");
     EXPECT_EQ(table["searched"]["shown"], 1);
     EXPECT_EQ(table["searched"]["says"], "1 of 1,000");
     EXPECT_EQ(table["nothing"]["shown"], 0);
-    EXPECT_EQ(table["cleared"]["shown"], kControllers);
+    EXPECT_EQ(table["cleared"]["shown"], kListed);
     EXPECT_THAT(table["choices"],
                 ElementsAre("all", "aged", "failed", "healthy"));
     EXPECT_EQ(table["chosen"]["shown"], 100);
-    EXPECT_EQ(table["all"]["shown"], kControllers);
+    EXPECT_EQ(table["all"]["shown"], kListed);
     EXPECT_EQ(table["ascending"], "unit 00:FIC-000");
     EXPECT_EQ(table["descending"], "unit 19:FIC-999");
   }

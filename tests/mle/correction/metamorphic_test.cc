@@ -20,26 +20,27 @@ namespace {
 
 // The ΔR of records of SparseArx(), whose first gain the model has wrong.
 
-ArxModel Believed() {
+ArxModel BelievedPlant() {
   ArxModel model = SparseArx();
   model.R(0, 2) = 0.6;
   return model;
 }
 
-std::vector<Record> Windows() {
+std::vector<Record> PlantWindows() {
   return {SimulateArx(SparseArx(), 400, 0.1, 1, 3.0, 5.0),
           SimulateArx(SparseArx(), 400, 0.1, 2, 3.0, 5.0)};
 }
 
-CorrectionOptions Options(double scale = 1.0) {
+CorrectionOptions PlantOptions(double scale = 1.0) {
   CorrectionOptions options;
   options.lambdas = scale * *MakeLambdaGrid(2e-2, 1e-4);
   options.selection.on_grid = true;
   return options;
 }
 
-Correction Corrected(const ArxModel& model, const std::vector<Record>& windows,
-                     const CorrectionOptions& options) {
+Correction CorrectedPlant(const ArxModel& model,
+                          const std::vector<Record>& windows,
+                          const CorrectionOptions& options) {
   auto correction = CorrectModel(model, windows, options);
   CHECK(correction.ok()) << correction.status();
   CHECK_LE(correction->MaxRelativeGap(), 1e-7);
@@ -56,7 +57,7 @@ constexpr double kRounding = 1e-8;
 TEST(MetamorphicCorrectionTest, UnitsChangeTheCoefficientsAlike) {
   const double output = 1000.0;
   const Eigen::Vector4d scale(output, output, -0.01, 60.0);
-  ArxModel model = Believed();
+  ArxModel model = BelievedPlant();
   const auto in_new_units = [&](Eigen::MatrixXd R) {
     for (Eigen::Index i = 0; i < R.rows(); ++i) {
       for (Eigen::Index j = 0; j < R.cols(); ++j) {
@@ -65,15 +66,16 @@ TEST(MetamorphicCorrectionTest, UnitsChangeTheCoefficientsAlike) {
     }
     return R;
   };
-  const Correction before = Corrected(model, Windows(), Options());
+  const Correction before =
+      CorrectedPlant(model, PlantWindows(), PlantOptions());
   model.R = in_new_units(model.R);
-  std::vector<Record> windows = Windows();
+  std::vector<Record> windows = PlantWindows();
   for (Record& window : windows) {
     window.outputs = scale.head(2).asDiagonal() * window.outputs;
     window.inputs = scale.tail(2).asDiagonal() * window.inputs;
   }
   // λ has the unit of the outputs.
-  const Correction after = Corrected(model, windows, Options(output));
+  const Correction after = CorrectedPlant(model, windows, PlantOptions(output));
   EXPECT_NEAR(after.selection().lambda_star(0),
               output * before.selection().lambda_star(0), 1e-9);
   EXPECT_LE(RelativeDifference(in_new_units(before.Model().R), after.Model().R),
@@ -89,15 +91,16 @@ TEST(MetamorphicCorrectionTest, TheOrderOfChannelsDoesNotMatter) {
     }
     return other;
   };
-  const Correction before = Corrected(Believed(), Windows(), Options());
-  ArxModel model = Believed();
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
+  ArxModel model = BelievedPlant();
   model.R = exchanged(model.R);
-  std::vector<Record> windows = Windows();
+  std::vector<Record> windows = PlantWindows();
   for (Record& window : windows) {
     window.outputs = window.outputs.colwise().reverse().eval();
     window.inputs = window.inputs.colwise().reverse().eval();
   }
-  const Correction after = Corrected(model, windows, Options());
+  const Correction after = CorrectedPlant(model, windows, PlantOptions());
   EXPECT_EQ(after.selection().lambda_star(0),
             before.selection().lambda_star(0));
   EXPECT_LE(RelativeDifference(exchanged(before.Model().R), after.Model().R),
@@ -105,21 +108,25 @@ TEST(MetamorphicCorrectionTest, TheOrderOfChannelsDoesNotMatter) {
 }
 
 TEST(MetamorphicCorrectionTest, TheClockDoesNotMatter) {
-  const Correction before = Corrected(Believed(), Windows(), Options());
-  std::vector<Record> windows = Windows();
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
+  std::vector<Record> windows = PlantWindows();
   for (Record& window : windows) window.start_time += 1e7;
-  const Correction after = Corrected(Believed(), windows, Options());
+  const Correction after =
+      CorrectedPlant(BelievedPlant(), windows, PlantOptions());
   EXPECT_EQ(before.Model().R, after.Model().R);
 }
 
 TEST(MetamorphicCorrectionTest, TheOperatingPointDoesNotMatter) {
-  const Correction before = Corrected(Believed(), Windows(), Options());
-  std::vector<Record> windows = Windows();
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
+  std::vector<Record> windows = PlantWindows();
   for (Record& window : windows) {
     window.outputs.colwise() += Eigen::Vector2d(400.0, -7.0);
     window.inputs.colwise() += Eigen::Vector2d(0.5, 80.0);
   }
-  const Correction after = Corrected(Believed(), windows, Options());
+  const Correction after =
+      CorrectedPlant(BelievedPlant(), windows, PlantOptions());
   EXPECT_EQ(after.selection().lambda_star(0),
             before.selection().lambda_star(0));
   EXPECT_LE(RelativeDifference(before.Model().R, after.Model().R), kRounding);
@@ -127,14 +134,15 @@ TEST(MetamorphicCorrectionTest, TheOperatingPointDoesNotMatter) {
 
 // The parts overlap by the model's memory, so that no row is lost.
 TEST(MetamorphicCorrectionTest, ASplitRecordSaysTheSame) {
-  const Correction before = Corrected(Believed(), Windows(), Options());
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
   std::vector<Record> parts;
-  for (const Record& window : Windows()) {
+  for (const Record& window : PlantWindows()) {
     const int cut = 150;
     Record first = window;
     first.outputs = window.outputs.leftCols(cut);
     first.inputs = window.inputs.leftCols(cut);
-    const int rest = window.samples() - cut + Believed().order;
+    const int rest = window.samples() - cut + BelievedPlant().order;
     Record second = window;
     second.start_time = window.time(window.samples() - rest);
     second.outputs = window.outputs.rightCols(rest);
@@ -142,7 +150,8 @@ TEST(MetamorphicCorrectionTest, ASplitRecordSaysTheSame) {
     parts.push_back(first);
     parts.push_back(second);
   }
-  const Correction after = Corrected(Believed(), parts, Options());
+  const Correction after =
+      CorrectedPlant(BelievedPlant(), parts, PlantOptions());
   for (const double lambda : {0.0, 1e-3, 1e-2}) {
     EXPECT_LE(RelativeDifference(before.Model(lambda).R, after.Model(lambda).R),
               kRounding)
@@ -151,11 +160,13 @@ TEST(MetamorphicCorrectionTest, ASplitRecordSaysTheSame) {
 }
 
 TEST(MetamorphicCorrectionTest, TheSameRecordsTwiceSayTheSame) {
-  const Correction before = Corrected(Believed(), Windows(), Options());
-  std::vector<Record> windows = Windows();
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
+  std::vector<Record> windows = PlantWindows();
   windows.push_back(windows[0]);
   windows.push_back(windows[1]);
-  const Correction after = Corrected(Believed(), windows, Options());
+  const Correction after =
+      CorrectedPlant(BelievedPlant(), windows, PlantOptions());
   for (const double lambda : {0.0, 1e-3, 1e-2}) {
     EXPECT_LE(RelativeDifference(before.Model(lambda).R, after.Model(lambda).R),
               kRounding)
@@ -188,10 +199,11 @@ std::vector<Record> WithAnotherInput(std::vector<Record> windows,
 }
 
 TEST(MetamorphicCorrectionTest, AChannelThatDoesNotMoveChangesNothing) {
-  const Correction before = Corrected(Believed(), Windows(), Options());
-  const Correction after =
-      Corrected(WithAnotherInput(Believed()),
-                WithAnotherInput(Windows(), /*constant=*/true), Options());
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
+  const Correction after = CorrectedPlant(
+      WithAnotherInput(BelievedPlant()),
+      WithAnotherInput(PlantWindows(), /*constant=*/true), PlantOptions());
   EXPECT_EQ(after.selection().lambda_star(0),
             before.selection().lambda_star(0));
   EXPECT_LE(
@@ -203,10 +215,11 @@ TEST(MetamorphicCorrectionTest, AChannelThatDoesNotMoveChangesNothing) {
 // residuals, about σ/√N = 0.1/√790.
 TEST(MetamorphicCorrectionTest, AnUnrelatedChannelStaysOut) {
   const double lambda = 0.02;  // five of these deviations
-  const Correction before = Corrected(Believed(), Windows(), Options());
-  const Correction after =
-      Corrected(WithAnotherInput(Believed()),
-                WithAnotherInput(Windows(), /*constant=*/false), Options());
+  const Correction before =
+      CorrectedPlant(BelievedPlant(), PlantWindows(), PlantOptions());
+  const Correction after = CorrectedPlant(
+      WithAnotherInput(BelievedPlant()),
+      WithAnotherInput(PlantWindows(), /*constant=*/false), PlantOptions());
   EXPECT_LE(RelativeDifference(WithAnotherInput(before.Model(lambda)).R,
                                after.Model(lambda).R),
             kRounding);

@@ -29,12 +29,12 @@ PairInformation Assess(const std::vector<Record>& windows, double variance,
   return information.ok() ? *information : PairInformation();
 }
 
-std::vector<Record> Windows() {
+std::vector<Record> InformedWindows() {
   return MakeRecords(TwoElements(), 600, 1, {.variance = 0.01});
 }
 
 TEST(PairInformationTest, InputsThatMoveInform) {
-  const PairInformation information = Assess(Windows(), 0.01);
+  const PairInformation information = Assess(InformedWindows(), 0.01);
   for (int j = 0; j < 2; ++j) {
     EXPECT_EQ(information.pair(0, j).state, PairState::kInformed);
     EXPECT_LT(information.pair(0, j).gain, 0.05);
@@ -50,10 +50,10 @@ TEST(PairInformationTest, InputsThatMoveInform) {
 // The limit of the errors is what a fit reaches.
 TEST(PairInformationTest, ErrorsAreThoseOfTheFit) {
   const auto correction = CorrectByOutputError(
-      TwoElements(), Windows(), {.offsets = WindowOffsets::kAlways});
+      TwoElements(), InformedWindows(), {.offsets = WindowOffsets::kAlways});
   ASSERT_TRUE(correction.ok());
   const PairInformation information =
-      Assess(Windows(), correction->full.noise[0].variance,
+      Assess(InformedWindows(), correction->full.noise[0].variance,
              correction->full.noise[0].ratio);
   for (int j = 0; j < 2; ++j) {
     const ElementEstimate& element = correction->full.element(0, j);
@@ -65,20 +65,20 @@ TEST(PairInformationTest, ErrorsAreThoseOfTheFit) {
 }
 
 TEST(PairInformationTest, ErrorsGoWithTheNoise) {
-  const PairInformation one = Assess(Windows(), 0.01);
-  const PairInformation four = Assess(Windows(), 0.04);
-  const PairInformation drift = Assess(Windows(), 0.01, 0.1);
+  const PairInformation one = Assess(InformedWindows(), 0.01);
+  const PairInformation four = Assess(InformedWindows(), 0.04);
+  const PairInformation drift = Assess(InformedWindows(), 0.01, 0.1);
   for (int j = 0; j < 2; ++j) {
     EXPECT_NEAR(four.pair(0, j).gain / one.pair(0, j).gain, 2.0, 1e-6);
     EXPECT_NEAR(four.pair(0, j).inflation, one.pair(0, j).inflation, 1e-6);
     EXPECT_GT(drift.pair(0, j).gain, one.pair(0, j).gain);
   }
-  EXPECT_EQ(Assess(Windows(), 1000.0).pair(0, 0).state,
+  EXPECT_EQ(Assess(InformedWindows(), 1000.0).pair(0, 0).state,
             PairState::kNotInformed);
 }
 
 TEST(PairInformationTest, AnInputThatDoesNotMoveInformsOfNothing) {
-  std::vector<Record> windows = Windows();
+  std::vector<Record> windows = InformedWindows();
   for (Record& window : windows) window.inputs.row(1).setConstant(3.0);
   const PairInformation information = Assess(windows, 0.01);
   EXPECT_EQ(information.pair(0, 0).state, PairState::kInformed);
@@ -91,7 +91,7 @@ TEST(PairInformationTest, AnInputThatDoesNotMoveInformsOfNothing) {
 
 // A second input that repeats the first one, nearly, blurs both.
 TEST(PairInformationTest, InputsThatMoveTogetherInflateTheErrors) {
-  std::vector<Record> windows = Windows();
+  std::vector<Record> windows = InformedWindows();
   const double apart = Assess(windows, 0.01).pair(0, 0).gain;
   for (Record& window : windows) {
     window.inputs.row(1) =
@@ -105,11 +105,11 @@ TEST(PairInformationTest, InputsThatMoveTogetherInflateTheErrors) {
 
 // Units of inputs and outputs cancel.
 TEST(PairInformationTest, DoesNotDependOnUnits) {
-  const PairInformation one = Assess(Windows(), 0.01);
+  const PairInformation one = Assess(InformedWindows(), 0.01);
   ProcessModel model = MakeModel(1, 2);
   model.element(0, 0) = TransferFunction::FirstOrder(200.0, 4.0, 1.0);
   model.element(0, 1) = TransferFunction::FirstOrder(-3000.0, 6.0, 2.3);
-  std::vector<Record> windows = Windows();
+  std::vector<Record> windows = InformedWindows();
   for (Record& window : windows) {
     window.outputs *= 100.0;
     window.inputs.row(1) *= 0.1;
@@ -123,11 +123,13 @@ TEST(PairInformationTest, DoesNotDependOnUnits) {
 }
 
 TEST(PairInformationTest, OptionsAreChecked) {
-  const auto status = AssessInformation(TwoElements(), Windows(), Noise(0.01),
-                                        {.informed = 0.5, .weak = 0.1})
-                          .status();
+  const auto status =
+      AssessInformation(TwoElements(), InformedWindows(), Noise(0.01),
+                        {.informed = 0.5, .weak = 0.1})
+          .status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("informed is 0.5"));
-  EXPECT_FALSE(AssessInformation(TwoElements(), Windows(), {}, {}).ok());
+  EXPECT_FALSE(
+      AssessInformation(TwoElements(), InformedWindows(), {}, {}).ok());
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-ProcessModel Tank() {
+ProcessModel HostileTank() {
   return ProcessModel("tank", "min", {{"steam", ""}, {"inflow", ""}},
                       {{"level", ""}, {"temperature", ""}});
 }
@@ -275,7 +275,7 @@ TEST(HostileFilesTest, AreRefusedByNameLineAndColumn) {
   EXPECT_GE(files.size(), 300u);
   for (const Hostile& file : files) {
     ExpectRefused(ImportHistorianSources({TextSource("hostile.csv", file.text)},
-                                         Tank(), {})
+                                         HostileTank(), {})
                       .status(),
                   file);
   }
@@ -304,8 +304,9 @@ TEST(HostileFilesTest, AnyDamageIsSurvived) {
           text.erase(at, 1 + engine() % 3);
       }
     }
-    const auto import = ImportHistorianSources(
-        {TextSource("hostile.csv", text)}, Tank(), {.max_samples = 100000});
+    const auto import =
+        ImportHistorianSources({TextSource("hostile.csv", text)}, HostileTank(),
+                               {.max_samples = 100000});
     if (!import.ok()) continue;
     ++taken;
     for (const Record& record : import->records) {
@@ -365,7 +366,7 @@ TEST(HostileFilesTest, AnEndlessLineTakesNeitherTimeNorMemory) {
           return std::make_unique<std::istream>(last);
         }};
     const absl::Status status =
-        ImportHistorianSources({source}, Tank(), {}).status();
+        ImportHistorianSources({source}, HostileTank(), {}).status();
     EXPECT_THAT(std::string(status.message()),
                 HasSubstr("hostile.csv: " + c.message));
     EXPECT_LT(last->taken(), 2'000'000);
@@ -376,8 +377,8 @@ TEST(HostileFilesTest, AnEndlessLineTakesNeitherTimeNorMemory) {
 TEST(HostileFilesTest, FarTimesMakeNoSamples) {
   const std::string far = WithField(3, 0, "1e15");
   const auto import = ImportHistorianSources(
-      {TextSource("a.csv", std::string(far, 0, far.find("\n4,") + 1))}, Tank(),
-      {});
+      {TextSource("a.csv", std::string(far, 0, far.find("\n4,") + 1))},
+      HostileTank(), {});
   ASSERT_TRUE(import.ok()) << import.status();
   EXPECT_EQ(import->records.size(), 1u);  // the far row is a record of its own
   EXPECT_EQ(import->report.samples, 3);
@@ -388,7 +389,7 @@ TEST(HostileFilesTest, FarTimesMakeNoSamples) {
       std::string(kHeader) +
       "0,1,2,3,4\n1,1,2,3,4\n2,1,2,3,4\n3,1,2,3,4\n1e9,1,2,3,4\n";
   EXPECT_THAT(std::string(ImportHistorianSources({TextSource("a.csv", rows)},
-                                                 Tank(), options)
+                                                 HostileTank(), options)
                               .status()
                               .message()),
               HasSubstr("more than 1000 samples"));

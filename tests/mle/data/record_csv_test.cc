@@ -18,14 +18,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
-ProcessModel Tank() {
+ProcessModel CsvTank() {
   return ProcessModel("tank", "min", {{"steam", ""}, {"inflow", ""}},
                       {{"level", ""}, {"temperature", ""}});
 }
 
 // A text as FormatRecordCsv() makes it; without sample time: the one it has.
-absl::StatusOr<Record> Parse(const std::string& text, double sample_time = 0.0,
-                             const ProcessModel& model = Tank()) {
+absl::StatusOr<Record> ParseCsv(const std::string& text,
+                                double sample_time = 0.0,
+                                const ProcessModel& model = CsvTank()) {
   HistorianOptions options;
   options.sample_time = sample_time;
   options.max_gap = 0.0;
@@ -37,7 +38,7 @@ absl::StatusOr<Record> Parse(const std::string& text, double sample_time = 0.0,
 }
 
 Record ParseOk(const std::string& text, double sample_time = 0.0) {
-  absl::StatusOr<Record> record = Parse(text, sample_time);
+  absl::StatusOr<Record> record = ParseCsv(text, sample_time);
   EXPECT_TRUE(record.ok()) << record.status();
   return record.ok() ? *std::move(record) : Record();
 }
@@ -66,7 +67,7 @@ TEST(RecordCsvTest, SpreadsheetsComputeNoNamesAndTheyAreReadBack) {
   EXPECT_EQ(text->substr(0, text->find('\n')),
             "time,'@SUM(A1),'@SUM(A1)_setpoint,'+A1,'+A1_setpoint,"
             "'=cmd|' /C calc'!A0,-");
-  const auto read = Parse(*text, 0.0, model);
+  const auto read = ParseCsv(*text, 0.0, model);
   ASSERT_TRUE(read.ok()) << read.status();
   ExpectSame(read->outputs, record.outputs);
   ExpectSame(read->inputs, record.inputs);
@@ -82,7 +83,7 @@ TEST(RecordCsvTest, NamesMayHoldCommasQuotesAndLineBreaks) {
   record.set_points = Eigen::RowVector3d(0.0, 0.0, 1.0);
   const absl::StatusOr<std::string> text = FormatRecordCsv(record, model);
   ASSERT_TRUE(text.ok()) << text.status();
-  const absl::StatusOr<Record> again = Parse(*text, 0.1, model);
+  const absl::StatusOr<Record> again = ParseCsv(*text, 0.1, model);
   ASSERT_TRUE(again.ok()) << again.status();
   ExpectSame(again->outputs, record.outputs);
   ExpectSame(again->inputs, record.inputs);
@@ -108,7 +109,7 @@ TEST(RecordCsvTest, DoublesComeBackAsTheyWere) {
   record.outputs(0, 0) = -0.0;
   record.outputs(0, 1) = std::numeric_limits<double>::denorm_min();
   record.outputs(0, 2) = kLargestSample;
-  const absl::StatusOr<std::string> text = FormatRecordCsv(record, Tank());
+  const absl::StatusOr<std::string> text = FormatRecordCsv(record, CsvTank());
   ASSERT_TRUE(text.ok()) << text.status();
   const Record again = ParseOk(*text, record.sample_time);
   EXPECT_EQ(again.sample_time, record.sample_time);
@@ -126,7 +127,8 @@ TEST(RecordCsvTest, DecimalTimesAreWrittenShortAndComeBackExactly) {
       record.sample_time = sample_time;
       record.outputs = Eigen::MatrixXd::Zero(2, 1001);
       record.inputs = Eigen::MatrixXd::Zero(2, 1001);
-      const absl::StatusOr<std::string> text = FormatRecordCsv(record, Tank());
+      const absl::StatusOr<std::string> text =
+          FormatRecordCsv(record, CsvTank());
       ASSERT_TRUE(text.ok()) << text.status();
       const Record again = ParseOk(*text);
       EXPECT_EQ(again.start_time, start);
@@ -145,8 +147,8 @@ TEST(RecordCsvTest, FilesAreWrittenAndRead) {
   record.sample_time = 1.0;
   record.outputs = Eigen::MatrixXd::Constant(2, 3, 1.5);
   record.inputs = Eigen::MatrixXd::Constant(2, 3, -0.5);
-  ASSERT_TRUE(WriteRecordCsv(path, record, Tank()).ok());
-  const auto again = ImportHistorian({path}, Tank(), HistorianOptions());
+  ASSERT_TRUE(WriteRecordCsv(path, record, CsvTank()).ok());
+  const auto again = ImportHistorian({path}, CsvTank(), HistorianOptions());
   ASSERT_TRUE(again.ok()) << again.status();
   ExpectSame(again->records.at(0).outputs, record.outputs);
 }
@@ -156,8 +158,9 @@ TEST(RecordCsvTest, RecordsAndNamesAreCheckedBeforeWriting) {
   record.sample_time = 1.0;
   record.outputs = Eigen::MatrixXd::Zero(1, 3);
   record.inputs = Eigen::MatrixXd::Zero(2, 3);
-  EXPECT_THAT(std::string(FormatRecordCsv(record, Tank()).status().message()),
-              HasSubstr("the record has 1 outputs and 2 inputs"));
+  EXPECT_THAT(
+      std::string(FormatRecordCsv(record, CsvTank()).status().message()),
+      HasSubstr("the record has 1 outputs and 2 inputs"));
   const ProcessModel clash("clash", "min", {{"y_setpoint", ""}, {"u", ""}},
                            {{"y", ""}});
   EXPECT_THAT(std::string(FormatRecordCsv(record, clash).status().message()),

@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 using Verdict = QuietPart::Verdict;
 
 // Settles in 2 + 5·10 = 52.
-ProcessModel Model() {
+ProcessModel WindowModel() {
   ProcessModel model("tank", "min", {{"u1", ""}, {"u2", ""}},
                      {{"y1", ""}, {"y2", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(1.0, 10.0, 2.0);
@@ -51,9 +51,10 @@ Record Noise(int samples, unsigned seed,
   return record;
 }
 
-WindowSet Find(const std::vector<Record>& records,
-               const WindowOptions& options = {}) {
-  const absl::StatusOr<WindowSet> set = FindWindows(records, Model(), options);
+WindowSet Found(const std::vector<Record>& records,
+                const WindowOptions& options = {}) {
+  const absl::StatusOr<WindowSet> set =
+      FindWindows(records, WindowModel(), options);
   EXPECT_TRUE(set.ok()) << set.status();
   return set.ok() ? *set : WindowSet();
 }
@@ -72,12 +73,12 @@ bool IsReported(const SetPointWindow& window) {
 }
 
 TEST(SettlingTimeTest, IsThatOfTheSlowestElement) {
-  EXPECT_DOUBLE_EQ(SettlingTime(Model()), 52.0);
+  EXPECT_DOUBLE_EQ(SettlingTime(WindowModel()), 52.0);
 }
 
 TEST(FindWindowsTest, AreAroundEachChangeWithTheModelsSettlingTime) {
   const Record record = Noise(2000, 1, {{500, 0, 7, 9}, {1200, 1, 8, 6}});
-  const WindowSet set = Find({record});
+  const WindowSet set = Found({record});
   ASSERT_EQ(set.windows.size(), 2u);
   EXPECT_EQ(set.before, 52.0);
   EXPECT_EQ(set.after, 78.0);
@@ -98,7 +99,7 @@ TEST(FindWindowsTest, AreAroundEachChangeWithTheModelsSettlingTime) {
 
 TEST(FindWindowsTest, ChangesTooCloseTogetherShareAWindow) {
   // 50 min and 25 min apart, then 100 min.
-  const WindowSet set = Find({Noise(
+  const WindowSet set = Found({Noise(
       2000, 3,
       {{500, 0, 7, 9}, {600, 1, 8, 6}, {650, 0, 9, 7}, {850, 1, 6, 8}})});
   ASSERT_EQ(set.windows.size(), 2u);
@@ -127,7 +128,7 @@ TEST(FindWindowsTest, AnyChangesGiveDisjointWindows) {
       value += 1.0;
       at += 1 + static_cast<int>(engine() % 500);
     }
-    const WindowSet set = Find({Noise(samples, trial, changes)});
+    const WindowSet set = Found({Noise(samples, trial, changes)});
     int end = 0;
     std::size_t held = 0;
     for (const SetPointWindow& window : set.windows) {
@@ -145,7 +146,7 @@ TEST(FindWindowsTest, AnyChangesGiveDisjointWindows) {
 }
 
 TEST(FindWindowsTest, AreClippedWhereTheRecordEnds) {
-  const WindowSet set = Find({Noise(700, 5, {{30, 0, 7, 9}, {690, 0, 9, 7}})});
+  const WindowSet set = Found({Noise(700, 5, {{30, 0, 7, 9}, {690, 0, 9, 7}})});
   ASSERT_EQ(set.windows.size(), 1u);
   EXPECT_TRUE(set.windows[0].clipped_before);
   // The last ends too soon after its change.
@@ -156,7 +157,7 @@ TEST(FindWindowsTest, AreClippedWhereTheRecordEnds) {
 
 TEST(FindWindowsTest, OfChangesThatShareAWindowTheLastMayComeLate) {
   const WindowSet set =
-      Find({Noise(700, 5, {{30, 0, 7, 9}, {600, 1, 8, 6}, {690, 0, 9, 7}})});
+      Found({Noise(700, 5, {{30, 0, 7, 9}, {600, 1, 8, 6}, {690, 0, 9, 7}})});
   ASSERT_EQ(set.windows.size(), 2u);
   EXPECT_EQ(set.windows[1].changes.size(), 2u);
   EXPECT_THAT(set.warnings, IsEmpty());
@@ -166,7 +167,7 @@ TEST(FindWindowsTest, WithoutSetPointsAreAroundMovesOfInputsByHand) {
   Record record = Noise(2000, 7, {});
   record.inputs.row(1).tail(1400).setConstant(31.0);
   record.inputs.row(0).segment(1300, 300).setConstant(19.0);
-  const WindowSet set = Find({record});
+  const WindowSet set = Found({record});
   ASSERT_EQ(set.windows.size(), 3u);
   EXPECT_EQ(set.changes, 3);
   for (const SetPointWindow& window : set.windows) {
@@ -177,34 +178,35 @@ TEST(FindWindowsTest, WithoutSetPointsAreAroundMovesOfInputsByHand) {
   EXPECT_THAT(set.warnings, ElementsAre(HasSubstr("no set point changes")));
   // Set points say more.
   record.set_points.row(0).tail(1000).setConstant(7.5);
-  EXPECT_EQ(Find({record}).changes, 1);
+  EXPECT_EQ(Found({record}).changes, 1);
   // And what a controller moves all the time says nothing.
   record.set_points.row(0).setConstant(7.0);
   for (int k = 0; k < record.samples(); k += 9) {
     record.inputs(0, k) += 0.1 * (k % 7);
   }
-  EXPECT_THAT(Find({record}).windows, IsEmpty());
+  EXPECT_THAT(Found({record}).windows, IsEmpty());
 }
 
 TEST(FindWindowsTest, TimesMayBeGiven) {
   Record record = Noise(2000, 6, {});
   record.set_points.resize(0, 0);
-  EXPECT_THAT(Find({record}).windows, IsEmpty());
-  const WindowSet set = Find({record}, {.change_times = {1300.1, 1700, 9000}});
+  EXPECT_THAT(Found({record}).windows, IsEmpty());
+  const WindowSet set = Found({record}, {.change_times = {1300.1, 1700, 9000}});
   ASSERT_EQ(set.windows.size(), 2u);
   EXPECT_EQ(set.windows[0].record.time(set.windows[0].changes.front().sample),
             1300.0);
   EXPECT_EQ(set.windows[0].changes[0].output, -1);
   ASSERT_FALSE(set.warnings.empty());
   EXPECT_THAT(set.warnings[0], HasSubstr("1 of the given times"));
-  EXPECT_FALSE(FindWindows({record}, Model(), {.change_times = {2, 1}}).ok());
-  EXPECT_FALSE(FindWindows({record}, Model(), {.before = kNaN}).ok());
+  EXPECT_FALSE(
+      FindWindows({record}, WindowModel(), {.change_times = {2, 1}}).ok());
+  EXPECT_FALSE(FindWindows({record}, WindowModel(), {.before = kNaN}).ok());
 }
 
 TEST(FindWindowsTest, SmallChangesAreNone) {
   const Record record = Noise(2000, 7, {{500, 0, 7, 7.01}, {1200, 0, 7.01, 9}});
-  EXPECT_EQ(Find({record}).changes, 2);
-  const WindowSet set = Find({record}, {.min_change = 0.1});
+  EXPECT_EQ(Found({record}).changes, 2);
+  const WindowSet set = Found({record}, {.min_change = 0.1});
   ASSERT_EQ(set.changes, 1);
   EXPECT_EQ(set.windows[0].changes[0].from, 7.0);
   // A slow ramp of small steps is seen in the end.
@@ -212,7 +214,7 @@ TEST(FindWindowsTest, SmallChangesAreNone) {
   for (int k = 500; k < 600; ++k)
     ramp.set_points(0, k) = 7.0 + 0.02 * (k - 500);
   ramp.set_points.row(0).tail(1400).setConstant(9.0);
-  const WindowSet ramped = Find({ramp}, {.min_change = 0.1});
+  const WindowSet ramped = Found({ramp}, {.min_change = 0.1});
   ASSERT_EQ(ramped.windows.size(), 1u);
   EXPECT_GT(ramped.changes, 10);
 }
@@ -224,7 +226,7 @@ TEST(FindWindowsTest, DriftAndDisturbancesAreReported) {
   record.outputs.row(0).segment(896, 104) +=
       Eigen::RowVectorXd::LinSpaced(104, 0.0, 0.4);
   record.outputs.row(1).segment(1950, 1050).array() += 0.5;
-  const WindowSet set = Find({record});
+  const WindowSet set = Found({record});
   ASSERT_EQ(set.windows.size(), 2u);
   EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kDrifting);
   EXPECT_NEAR(set.windows[0].before[0].size, 0.4, 0.12);
@@ -238,15 +240,16 @@ TEST(FindWindowsTest, DriftAndDisturbancesAreReported) {
 // model leaves of the output. What the inputs do by themselves is none.
 TEST(FindWindowsTest, TheModelTellsDisturbancesFromMoves) {
   Record record = Noise(2000, 11, {{1000, 1, 8, 6}});
-  const Eigen::VectorXd step = Model().element(0, 0).StepResponse(0.5, 2000);
+  const Eigen::VectorXd step =
+      WindowModel().element(0, 0).StepResponse(0.5, 2000);
   record.inputs.row(0).tail(1050).array() += 1.0;  // a move, and its response
   record.outputs.row(0).tail(1050) += step.head(1050).transpose();
-  WindowSet set = Find({record});
+  WindowSet set = Found({record});
   EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kQuiet);
   // The move answers a disturbance of the opposite sign, so that the output
   // ends where it was.
   record.outputs.row(0).tail(1050).array() -= 1.0;
-  set = Find({record});
+  set = Found({record});
   EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kDisturbed);
   EXPECT_NEAR(set.windows[0].before[0].size, -1.0, 0.1);
   EXPECT_NEAR(set.windows[0].before[0].time, 1475.0, 1.0);
@@ -256,7 +259,7 @@ TEST(FindWindowsTest, TheModelTellsDisturbancesFromMoves) {
 TEST(FindWindowsTest, WhiteNoiseIsQuiet) {
   int reported = 0;
   for (unsigned seed = 0; seed < 500; ++seed) {
-    const WindowSet set = Find({Noise(600, seed, {{300, 0, 7, 9}})});
+    const WindowSet set = Found({Noise(600, seed, {{300, 0, 7, 9}})});
     reported += IsReported(set.windows[0]);
   }
   EXPECT_LE(reported, 2);  // of 2000 parts

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-ProcessModel Tank() {
+ProcessModel TableTank() {
   ProcessModel model("tank", "min", {{"valve", ""}}, {{"level", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 10.0, 1.0);
   return model;
@@ -65,8 +65,8 @@ bool SameBits(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 // A table and the file with the same samples give the same records.
 void ExpectSameAsFile(const Samples& samples, const HistorianOptions& options) {
   const auto of_file = ImportHistorianSources(
-      {TextSource("file", samples.AsText())}, Tank(), options);
-  const auto of_table = ImportTables({samples.AsTable()}, Tank(), options);
+      {TextSource("file", samples.AsText())}, TableTank(), options);
+  const auto of_table = ImportTables({samples.AsTable()}, TableTank(), options);
   ASSERT_TRUE(of_file.ok()) << of_file.status();
   ASSERT_TRUE(of_table.ok()) << of_table.status();
   ASSERT_EQ(of_table->records.size(), of_file->records.size());
@@ -120,7 +120,7 @@ TEST(TableImport, ColumnsAreConvertedAndStrided) {
       .columns = {{"LI101", pairs.data(), 2}, {"valve", pairs.data() + 1, 2}}};
   HistorianOptions options;
   options.columns.tags = {{"LI101", "level", 2.0, -1.0}};
-  const auto import = ImportTables({table}, Tank(), options);
+  const auto import = ImportTables({table}, TableTank(), options);
   ASSERT_TRUE(import.ok()) << import.status();
   EXPECT_EQ(import->records[0].outputs, Eigen::RowVector4d(1, 3, 5, 7));
   EXPECT_EQ(import->records[0].inputs, Eigen::RowVector4d(0, 0, 1, 1));
@@ -128,7 +128,7 @@ TEST(TableImport, ColumnsAreConvertedAndStrided) {
 
 TEST(TableImport, SaysWhatIsWrongAndWhere) {
   const auto refused = [](const Samples& samples, const std::string& text) {
-    const auto import = ImportTables({samples.AsTable()}, Tank(), {});
+    const auto import = ImportTables({samples.AsTable()}, TableTank(), {});
     EXPECT_EQ(import.status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(import.status().message()), HasSubstr(text));
   };
@@ -145,8 +145,9 @@ TEST(TableImport, SaysWhatIsWrongAndWhere) {
   samples = Samples(3);
   Table table = samples.AsTable();
   table.columns[0] = {.name = "level", .holds = "words"};
-  EXPECT_THAT(std::string(ImportTables({table}, Tank(), {}).status().message()),
-              HasSubstr("column 'level' holds words"));
+  EXPECT_THAT(
+      std::string(ImportTables({table}, TableTank(), {}).status().message()),
+      HasSubstr("column 'level' holds words"));
 }
 
 }  // namespace

@@ -18,24 +18,25 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-ProcessModel Tank() {
+ProcessModel TaggedTank() {
   return ProcessModel("tank", "min", {{"steam", "t/h"}}, {{"level", "%"}});
 }
 
-std::vector<TagMapping> Parse(const std::string& text) {
-  const auto tags = ParseTagFile("tags.csv", text, Tank());
+std::vector<TagMapping> ParseTags(const std::string& text) {
+  const auto tags = ParseTagFile("tags.csv", text, TaggedTank());
   EXPECT_TRUE(tags.ok()) << tags.status();
   return tags.ok() ? tags->tags : std::vector<TagMapping>();
 }
 
-std::string Error(const std::string& text) {
-  const absl::Status status = ParseTagFile("tags.csv", text, Tank()).status();
+std::string TagError(const std::string& text) {
+  const absl::Status status =
+      ParseTagFile("tags.csv", text, TaggedTank()).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
   return std::string(status.message());
 }
 
 TEST(TagFileTest, MapsTagsWithTheirUnits) {
-  const std::vector<TagMapping> tags = Parse(
+  const std::vector<TagMapping> tags = ParseTags(
       "Tag;Channel;Scale;Offset;Unit\nLI1.PV;level;0.01;-5;%\n"
       "FC2.OP;steam;;;t/h\nXI3;;;;\n");
   ASSERT_EQ(tags.size(), 2u);
@@ -45,11 +46,11 @@ TEST(TagFileTest, MapsTagsWithTheirUnits) {
   EXPECT_EQ(tags[0].offset, -5.0);
   EXPECT_EQ(tags[1].scale, 1.0);
   EXPECT_EQ(tags[1].offset, 0.0);
-  EXPECT_THAT(Parse("channel,tag\nsteam,\"A, B\"\n")[0].tag, "A, B");
+  EXPECT_THAT(ParseTags("channel,tag\nsteam,\"A, B\"\n")[0].tag, "A, B");
 }
 
 TEST(TagFileTest, DeclaresSampling) {
-  const std::vector<TagMapping> tags = Parse(
+  const std::vector<TagMapping> tags = ParseTags(
       "tag,channel,period,held,late_by,average,stamp\n"
       "LI1.PV,level,240,yes,15,,\nLI1.SP,level_setpoint,,,,,\n"
       "FC2.OP,steam,,,,5,End\n");
@@ -60,8 +61,8 @@ TEST(TagFileTest, DeclaresSampling) {
   EXPECT_EQ(tags[2].sampling,
             (Sampling{.average = 5.0, .stamped_at_end = true}));
   const std::string header = "tag,channel,period,held,late_by,average,stamp\n";
-  EXPECT_THAT(Error(header + "LI1,level,,maybe,,5,\nFC2,steam,5,,,,\n"
-                             "LI1.SP,level_setpoint,,,2,,\n"),
+  EXPECT_THAT(TagError(header + "LI1,level,,maybe,,5,\nFC2,steam,5,,,,\n"
+                                "LI1.SP,level_setpoint,,,2,,\n"),
               AllOf(HasSubstr("line 2: held is 'maybe'"),
                     HasSubstr("line 2: average, the time that means are over"),
                     HasSubstr("line 3: 'steam' is an input"),
@@ -71,7 +72,7 @@ TEST(TagFileTest, DeclaresSampling) {
 // A tag without a channel is known not to be needed.
 TEST(TagFileTest, ColumnsOfTagsWithoutAChannelAreIgnored) {
   const auto table = ParseTagFile(
-      "tags.csv", "tag,channel\nLI1,level\nFC2,steam\nXI3,\n", Tank());
+      "tags.csv", "tag,channel\nLI1,level\nFC2,steam\nXI3,\n", TaggedTank());
   ASSERT_TRUE(table.ok()) << table.status();
   EXPECT_THAT(table->unused, ElementsAre("XI3"));
   HistorianOptions options;
@@ -79,7 +80,7 @@ TEST(TagFileTest, ColumnsOfTagsWithoutAChannelAreIgnored) {
   options.columns.unused_tags = table->unused;
   const auto read = [&](const std::string& header) {
     return ImportHistorianSources(
-        {TextSource("a.csv", header + "\n0,1,2,3\n1,4,5,6\n")}, Tank(),
+        {TextSource("a.csv", header + "\n0,1,2,3\n1,4,5,6\n")}, TaggedTank(),
         options);
   };
   EXPECT_TRUE(read("time,LI1,XI3,FC2").ok());
@@ -89,12 +90,12 @@ TEST(TagFileTest, ColumnsOfTagsWithoutAChannelAreIgnored) {
 
 TEST(TagFileTest, AllFaultsAreListedWithTheirLines) {
   EXPECT_THAT(
-      Error("tag,channel,scale,offset,unit,unit in the file\n"
-            "A,levle,1,0,,\n"
-            "A,level,x,0,,\n"
-            "B,level,0,inf,kg,\n"
-            ",steam,1,0,,\n"
-            "C,steam,1,0,t/h,kg/h\n"),
+      TagError("tag,channel,scale,offset,unit,unit in the file\n"
+               "A,levle,1,0,,\n"
+               "A,level,x,0,,\n"
+               "B,level,0,inf,kg,\n"
+               ",steam,1,0,,\n"
+               "C,steam,1,0,t/h,kg/h\n"),
       AllOf(HasSubstr("tags.csv: line 2: 'levle' is not an input"),
             HasSubstr("nearest: 'level'"), HasSubstr("line 3: scale is 'x'"),
             HasSubstr("line 3: the tag 'A' stands in line 2"),
@@ -107,12 +108,12 @@ TEST(TagFileTest, AllFaultsAreListedWithTheirLines) {
             HasSubstr("line 6: the channel 'steam' stands in line 5"),
             HasSubstr("line 6: 'C' is in 'kg/h' in the file and wanted in "
                       "'t/h', but scale is 1")));
-  EXPECT_THAT(Error("tag,channel\nA,pressure\n"),
+  EXPECT_THAT(TagError("tag,channel\nA,pressure\n"),
               HasSubstr("the model has 'level', 'level_setpoint', 'steam'"));
-  EXPECT_THAT(Error("tag,scale\nA,1\n"),
+  EXPECT_THAT(TagError("tag,scale\nA,1\n"),
               HasSubstr("must name tag and channel"));
-  EXPECT_THAT(Error(""), HasSubstr("the file is empty"));
-  EXPECT_FALSE(ReadTagFile("/no/such/tags.csv", Tank()).ok());
+  EXPECT_THAT(TagError(""), HasSubstr("the file is empty"));
+  EXPECT_FALSE(ReadTagFile("/no/such/tags.csv", TaggedTank()).ok());
 }
 
 TEST(NearestNamesTest, CountsWhatMakesOneOfTheOther) {
@@ -142,7 +143,7 @@ TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {
       {FileSource(
           Write("Plant 7\n\nTimestamp,Tank Level.PV,Tank Level.SP,STEAM,XI9,"
                 "XI9_quality\n,cm,cm,t/h,,\n2024-03-04 06:00,1,2,3,4,Good\n"))},
-      Tank(), HistorianOptions());
+      TaggedTank(), HistorianOptions());
   ASSERT_TRUE(proposals.ok()) << proposals.status();
   ASSERT_EQ(proposals->size(), 4u);
   EXPECT_EQ((*proposals)[0].tag, "Tank Level.PV");
@@ -156,7 +157,7 @@ TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {
   EXPECT_THAT(text, HasSubstr("XI9,,,,,\n"));
   // The other unit has to be looked at before the file is taken.
   EXPECT_THAT(
-      std::string(ParseTagFile("p.csv", text, Tank()).status().message()),
+      std::string(ParseTagFile("p.csv", text, TaggedTank()).status().message()),
       AllOf(HasSubstr("line 2"), HasSubstr("'cm'"), Not(HasSubstr("steam"))));
 }
 
@@ -164,7 +165,7 @@ TEST_F(ProposalTest, LongTablesHaveTagsToo) {
   const auto proposals = ProposeTags(
       {FileSource(
           Write("tag,time,value\nLEVEL,0,1\nsteam_op,0,2\nLEVEL,1,1\n"))},
-      Tank(), HistorianOptions());
+      TaggedTank(), HistorianOptions());
   ASSERT_TRUE(proposals.ok()) << proposals.status();
   ASSERT_EQ(proposals->size(), 2u);
   EXPECT_EQ((*proposals)[0].channel, "level");
@@ -175,7 +176,8 @@ TEST_F(ProposalTest, LongTablesHaveTagsToo) {
 TEST(HeaderTest, CaseAndBlanksAreForgivenIfThatIsCertain) {
   const auto import = [](const std::string& header) {
     return ImportHistorianSources(
-        {TextSource("a.csv", header + "\n0,1,2,3\n1,4,5,6\n")}, Tank(), {});
+        {TextSource("a.csv", header + "\n0,1,2,3\n1,4,5,6\n")}, TaggedTank(),
+        {});
   };
   const auto good = import("TIME,Level ,Level_SetPoint, S team");
   ASSERT_TRUE(good.ok()) << good.status();
@@ -191,7 +193,7 @@ TEST(HeaderTest, AllFaultsAreListedAtOnce) {
       ImportHistorianSources(
           {TextSource("a.csv",
                       "Time_stamp,levle,levle,steam.OP,x_setpoint,foo\n")},
-          Tank(), {})
+          TaggedTank(), {})
           .status()
           .message());
   EXPECT_THAT(
@@ -212,7 +214,7 @@ TEST(HeaderTest, NamesBelowTitlesAreThoseOfTheHeader) {
                       {TextSource("a.csv",
                                   "Export, unit 7\n\nTimestamp,TI101,FC7\n"
                                   "04-Mar-24 06:00:00,1,2\n")},
-                      Tank(), {})
+                      TaggedTank(), {})
                       .status()
                       .message()),
       AllOf(HasSubstr("a.csv: line 3: there is no column"),
@@ -225,7 +227,7 @@ TEST(HeaderTest, ATagThatTheFileDoesNotHaveIsNamed) {
   EXPECT_THAT(
       std::string(ImportHistorianSources(
                       {TextSource("a.csv", "time,level,steam,TIC110.SP\n")},
-                      Tank(), options)
+                      TaggedTank(), options)
                       .status()
                       .message()),
       HasSubstr("there is no column 'TIC101.SP' (nearest: 'TIC110.SP')"));
@@ -235,13 +237,13 @@ TEST(HeaderTest, ATagThatTheFileDoesNotHaveIsNamed) {
 // near is not another fault.
 TEST(HeaderTest, ATagOfAFileIsNamedWithItsLine) {
   const auto table = ParseTagFile(
-      "tags.csv", "tag,channel\nLI1.PV,level\nFC20.OP,steam\n", Tank());
+      "tags.csv", "tag,channel\nLI1.PV,level\nFC20.OP,steam\n", TaggedTank());
   ASSERT_TRUE(table.ok()) << table.status();
   HistorianOptions options;
   options.columns.tags = table->tags;
   const std::string message(
       ImportHistorianSources({TextSource("a.csv", "time,LI1.PV,FC2.OP\n")},
-                             Tank(), options)
+                             TaggedTank(), options)
           .status()
           .message());
   EXPECT_THAT(message, HasSubstr("no column 'FC20.OP' (tags.csv, line 3, for "
@@ -252,7 +254,7 @@ TEST(HeaderTest, ATagOfAFileIsNamedWithItsLine) {
 TEST(HeaderTest, WithoutSetPointsItSaysWhatHelps) {
   const auto error = [](const std::string& header) {
     return std::string(
-        ImportHistorianSources({TextSource("a.csv", header)}, Tank(), {})
+        ImportHistorianSources({TextSource("a.csv", header)}, TaggedTank(), {})
             .status()
             .message());
   };
@@ -269,7 +271,7 @@ TEST(HeaderTest, WithoutSetPointsItSaysWhatHelps) {
 TEST(HeaderTest, ATextThatIsNotATableIsAnsweredByItsFirstLine) {
   const auto error = [](const std::string& text) {
     return std::string(
-        ImportHistorianSources({TextSource("a.txt", text)}, Tank(), {})
+        ImportHistorianSources({TextSource("a.txt", text)}, TaggedTank(), {})
             .status()
             .message());
   };
@@ -297,7 +299,8 @@ TEST(BadWordsTest, UnknownWordsAreCounted) {
                     k % 5 == 0 ? "aus" : "3", "\n");
   }
   const auto import = [&](const HistorianOptions& options) {
-    return ImportHistorianSources({TextSource("a.csv", text)}, Tank(), options);
+    return ImportHistorianSources({TextSource("a.csv", text)}, TaggedTank(),
+                                  options);
   };
   EXPECT_THAT(
       std::string(import({}).status().message()),
@@ -329,7 +332,7 @@ TEST(BadWordsTest, WordsOfHistoriansAreKnown) {
   }
   absl::StrAppend(&text, ++row, ",1,2\n");
   const auto import =
-      ImportHistorianSources({TextSource("a.csv", text)}, Tank(), {});
+      ImportHistorianSources({TextSource("a.csv", text)}, TaggedTank(), {});
   ASSERT_TRUE(import.ok()) << import.status();
   EXPECT_EQ(import->report.channels[0].bad.declared, row - 1);
 }

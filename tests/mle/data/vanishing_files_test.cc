@@ -46,12 +46,12 @@ HistorianSource Changing(std::vector<std::string> texts) {
           }};
 }
 
-absl::StatusOr<HistorianImport> Import(const HistorianSource& source) {
+absl::StatusOr<HistorianImport> ImportVanishing(const HistorianSource& source) {
   return ImportHistorianSources({source}, VanishingTank(), HistorianOptions());
 }
 
 TEST(VanishingFileTest, IsReadWhereItStays) {
-  const auto import = Import(Changing({Export()}));
+  const auto import = ImportVanishing(Changing({Export()}));
   ASSERT_TRUE(import.ok()) << import.status();
   ASSERT_EQ(import->records.size(), 1u);
   EXPECT_EQ(import->records[0].samples(), 200);
@@ -63,7 +63,7 @@ TEST(VanishingFileTest, IsNamedWhenItIsGone) {
   for (int stays = 0; stays < 5; ++stays) {
     std::vector<std::string> texts(stays, Export());
     texts.push_back("");
-    const auto import = Import(Changing(texts));
+    const auto import = ImportVanishing(Changing(texts));
     if (import.ok()) break;
     ++failures;
     EXPECT_TRUE(absl::IsNotFound(import.status())) << import.status();
@@ -76,7 +76,7 @@ TEST(VanishingFileTest, NeverMakesAnInvalidRecord) {
   for (const std::string& other :
        {std::string("time,level,inflow\n0,1,2\n1,1,2\n"),
         Export().substr(0, 40), std::string("<html>gone</html>\n")}) {
-    const auto import = Import(Changing({Export(), other}));
+    const auto import = ImportVanishing(Changing({Export(), other}));
     if (import.ok()) {
       for (const Record& record : import->records) {
         EXPECT_TRUE(record.Validate().ok()) << record.Validate();

@@ -26,7 +26,7 @@ constexpr char kTable[] =
     "temperature,inflow,-0.5,9.1,,,0\n"
     "pressure,steam,0.1,0,,,2\n";
 
-ElementTable Parsed(const std::string& text) {
+ElementTable ParsedTable(const std::string& text) {
   const absl::StatusOr<ElementTable> table =
       ParseElementTable(text, "tank.csv");
   EXPECT_TRUE(table.ok()) << table.status();
@@ -34,7 +34,7 @@ ElementTable Parsed(const std::string& text) {
 }
 
 TEST(ElementTable, ReadsElements) {
-  const ProcessModel process = Parsed(kTable).Process();
+  const ProcessModel process = ParsedTable(kTable).Process();
   EXPECT_EQ(process.name(), "Heated tank");
   EXPECT_EQ(process.inputs()[1].role, InputRole::kDisturbance);
   const TransferFunction& first = process.element(0, 0);
@@ -50,7 +50,7 @@ TEST(ElementTable, ReadsElements) {
 
 // The shortest table that a person would type; columns in any order.
 TEST(ElementTable, ReadsShortTables) {
-  const ElementTable table = Parsed(
+  const ElementTable table = ParsedTable(
       "Time unit;s\nGain;Input;Output;Delay;Time_Constant\n1,5;u;y;0;3\n");
   EXPECT_EQ(table.channels.name(), "tank");
   EXPECT_EQ(table.channels.time_unit(), "s");
@@ -60,14 +60,14 @@ TEST(ElementTable, ReadsShortTables) {
 }
 
 TEST(ElementTable, ComesBackAsItWas) {
-  const ElementTable table = Parsed(kTable);
+  const ElementTable table = ParsedTable(kTable);
   EXPECT_EQ(FormatElementTable(table), kTable);
   EXPECT_EQ(FormatElementTable(WithElements(table, table.Process())), kTable);
 }
 
 // Names and units as spreadsheets have them, and levels.
 TEST(ElementTable, ReadsTheNamesOfSpreadsheets) {
-  const ElementTable table = Parsed(
+  const ElementTable table = ParsedTable(
       "time unit,min\nCV,MV,K (cm/%),Tau [min],Theta [min],Type\n"
       "level,valve,-0.4,,0.5,Integrator\nlevel,feed,0.2,3,1,ramp\n"
       "temperature,valve,2,5,1,FOPDT\ntemperature,feed,1,4,1,\n");
@@ -82,7 +82,7 @@ TEST(ElementTable, ReadsTheNamesOfSpreadsheets) {
   EXPECT_THAT(text, HasSubstr("dead time,integrating\n"
                               "level,valve,-0.4,0,0.5,yes\n"));
   EXPECT_THAT(text, HasSubstr("temperature,feed,1,4,1,\n"));
-  EXPECT_EQ(FormatElementTable(Parsed(text)), text);
+  EXPECT_EQ(FormatElementTable(ParsedTable(text)), text);
 }
 
 // The unit of time may stand in the header alone; where it is none, or two, the
@@ -91,8 +91,9 @@ TEST(ElementTable, TheHeaderMayHaveTheUnitOfTime) {
   const auto with = [](const std::string& tau, const std::string& theta) {
     return "output,input,gain," + tau + "," + theta + "\ny,u,2,5,1\n";
   };
-  EXPECT_EQ(Parsed(with("Tau (min)", "dead time")).channels.time_unit(), "min");
-  EXPECT_EQ(Parsed(with("Tau", "Theta [s]")).channels.time_unit(), "s");
+  EXPECT_EQ(ParsedTable(with("Tau (min)", "dead time")).channels.time_unit(),
+            "min");
+  EXPECT_EQ(ParsedTable(with("Tau", "Theta [s]")).channels.time_unit(), "s");
   for (const auto& [tau, theta] :
        {std::pair("Tau", "Theta"), std::pair("Tau (min)", "Theta (s)")}) {
     EXPECT_THAT(
@@ -134,7 +135,7 @@ TEST(ElementTable, TimesInAnotherUnitAreRefused) {
 }
 
 TEST(ElementTable, TakesChangedLevels) {
-  const ElementTable table = Parsed(
+  const ElementTable table = ParsedTable(
       "time unit,min\noutput,input,gain,time constant,dead time,integrating\n"
       "level,valve,-0.4,2,0.5,yes\n");
   ProcessModel corrected = table.Process();
@@ -158,7 +159,7 @@ TEST(ElementTable, TakesChangedLevels) {
 
 // Changed elements of the table's form are written exactly, in their rows.
 TEST(ElementTable, TakesChangedElements) {
-  const ElementTable table = Parsed(kTable);
+  const ElementTable table = ParsedTable(kTable);
   ProcessModel corrected = table.Process();
   corrected.element(0, 1) = TransferFunction::FirstOrder(-0.7, 9.1, 0.5);
   // Lags 3 and 7 are 1.5 times as long, and the gain doubles.
@@ -180,7 +181,7 @@ TEST(ElementTable, TakesChangedElements) {
 
 // What the form cannot hold is the nearest that it can, with its difference.
 TEST(ElementTable, StatesTheDifferenceOfOtherShapes) {
-  const ElementTable table = Parsed(kTable);
+  const ElementTable table = ParsedTable(kTable);
   ProcessModel corrected = table.Process();
   corrected.element(0, 0) =
       TransferFunction({4.0}, {60.0, 107.0, 52.0, 1.0}, 1.0);
@@ -195,7 +196,7 @@ TEST(ElementTable, StatesTheDifferenceOfOtherShapes) {
   const std::string text = FormatElementTable(changed);
   EXPECT_THAT(text, HasSubstr("dead time,largest difference\n"));
   // The column is no part of the model.
-  EXPECT_EQ(Parsed(text).rows[0].gain, row.gain);
+  EXPECT_EQ(ParsedTable(text).rows[0].gain, row.gain);
 }
 
 TEST(ElementTable, SaysWhatIsWrong) {

@@ -16,15 +16,15 @@ using ::testing::HasSubstr;
 
 const std::string kConfigs = MLE_CONFIGS_FOLDER;
 
-ModelFile Read(const std::string& name) {
+ModelFile ReadForm(const std::string& name) {
   const absl::StatusOr<ModelFile> file = ReadModelFile(kConfigs + "/" + name);
   EXPECT_TRUE(file.ok()) << file.status();
   return file.ok() ? *file : ModelFile();
 }
 
 TEST(ModelFile, TellsFormsApart) {
-  EXPECT_EQ(Read("wood_berry.json").form, ModelForm::kTransferFunctions);
-  EXPECT_EQ(Read("wood_berry.csv").form, ModelForm::kStepResponses);
+  EXPECT_EQ(ReadForm("wood_berry.json").form, ModelForm::kTransferFunctions);
+  EXPECT_EQ(ReadForm("wood_berry.csv").form, ModelForm::kStepResponses);
   const absl::StatusOr<ModelFile> json = ParseModelFile(
       absl::StrReplaceAll(kTankJson, {{"\"ramp\"", "\"steady\""}}), "tank");
   ASSERT_TRUE(json.ok()) << json.status();
@@ -43,9 +43,9 @@ TEST(ModelFile, TellsFormsApart) {
 
 // The example is the splitter itself.
 TEST(ModelFile, ReadsTablesOfElements) {
-  const ModelFile table = Read("splitter.csv");
+  const ModelFile table = ReadForm("splitter.csv");
   EXPECT_EQ(table.form, ModelForm::kElementTable);
-  const ProcessModel wanted = Read("splitter.json").process;
+  const ProcessModel wanted = ReadForm("splitter.json").process;
   ASSERT_TRUE(CheckSameChannels(table.process, "csv", wanted, "json").ok());
   for (int i = 0; i < wanted.num_outputs(); ++i) {
     for (int j = 0; j < wanted.num_inputs(); ++j) {
@@ -62,8 +62,8 @@ TEST(ModelFile, ReadsTablesOfElements) {
 
 // The example is the column itself, sampled and rounded to six digits.
 TEST(ModelFile, DescribesTheColumn) {
-  const ModelFile column = Read("wood_berry.json");
-  const ModelFile sampled = Read("wood_berry.csv");
+  const ModelFile column = ReadForm("wood_berry.json");
+  const ModelFile sampled = ReadForm("wood_berry.csv");
   ASSERT_EQ(sampled.process.num_outputs(), 2);
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
@@ -80,8 +80,8 @@ TEST(ModelFile, DescribesTheColumn) {
 
 // Without a change the file comes back; a changed pair alone has new numbers.
 TEST(ModelFile, IsWrittenBackCorrected) {
-  const ModelFile file = Read("wood_berry.csv");
-  EXPECT_EQ(CorrectedName(Read("wood_berry.json")), "");
+  const ModelFile file = ReadForm("wood_berry.csv");
+  EXPECT_EQ(CorrectedName(ReadForm("wood_berry.json")), "");
   const auto same = FormatCorrected(file, file.process);
   ASSERT_TRUE(same.ok());
   EXPECT_EQ(same->name, "model_corrected.csv");

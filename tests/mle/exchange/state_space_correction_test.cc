@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 constexpr double kSampleTime = 0.5;
 constexpr int kSamples = 200;
 
-ProcessModel Tank() {
+ProcessModel StateSpaceTank() {
   ProcessModel tank("tank", "min", {{"a", "t/h"}, {"b", "%"}},
                     {{"c", "K"}, {"d", "bar"}});
   tank.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 3.0);
@@ -52,7 +52,7 @@ double LargestDifference(const DiscreteStateSpace& system,
 // Gains, lags and dead times that are longer, shorter than what the model
 // takes out of its inputs and outputs, and not a whole number of samples.
 TEST(StateSpaceCorrection, HasTheStepResponsesOfTheCorrectedModel) {
-  const ProcessModel before = Tank();
+  const ProcessModel before = StateSpaceTank();
   const DiscreteStateSpace given = Reduced(before);
   EXPECT_LT(LargestDifference(given, before), 1e-4);
   ASSERT_GT(given.input_delays[1] + given.output_delays[0], 2);
@@ -76,7 +76,7 @@ TEST(StateSpaceCorrection, HasTheStepResponsesOfTheCorrectedModel) {
 }
 
 TEST(StateSpaceCorrection, AChangedGainTakesTheStatesOfItsElement) {
-  const ProcessModel before = Tank();
+  const ProcessModel before = StateSpaceTank();
   ProcessModel after = before;
   after.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 3.0);
   const DiscreteStateSpace given = Reduced(before);
@@ -92,7 +92,7 @@ TEST(StateSpaceCorrection, AChangedGainTakesTheStatesOfItsElement) {
 // From file to file: names, units and roles stay.
 TEST(StateSpaceCorrection, OfAFile) {
   NamedStateSpace named;
-  ProcessModel tank = Tank();
+  ProcessModel tank = StateSpaceTank();
   named.SetChannels(tank);
   named.disturbances = {"b"};
   named.system = Reduced(tank);

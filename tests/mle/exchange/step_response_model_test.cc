@@ -17,7 +17,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-StepResponseModel Parsed(const std::string& text) {
+StepResponseModel ParsedResponses(const std::string& text) {
   const absl::StatusOr<StepResponseModel> model =
       ParseStepResponseModel(text, "tank.csv");
   EXPECT_TRUE(model.ok()) << model.status();
@@ -66,7 +66,7 @@ void ExpectFaults(const std::string& good, const std::string& file,
 }
 
 TEST(StepResponseModel, ReadsATable) {
-  const StepResponseModel model = Parsed(kTankCsv);
+  const StepResponseModel model = ParsedResponses(kTankCsv);
   EXPECT_EQ(model.channels.name(), "Heated tank");
   EXPECT_EQ(model.channels.time_unit(), "min");
   EXPECT_EQ(model.channels.inputs()[1].role, InputRole::kDisturbance);
@@ -80,27 +80,28 @@ TEST(StepResponseModel, ReadsATable) {
 }
 
 TEST(StepResponseModel, ReadsJson) {
-  const StepResponseModel csv = Parsed(absl::StrReplaceAll(
+  const StepResponseModel csv = ParsedResponses(absl::StrReplaceAll(
       kTankCsv, {{"time,", "ramp,temperature/inflow\ntime,"}}));
-  ExpectSame(Parsed(kTankJson), csv);
+  ExpectSame(ParsedResponses(kTankJson), csv);
   EXPECT_TRUE(csv.pairs[1].is_ramp);
 }
 
 // What Excel makes of it in Europe, what is typed more freely, and a row of
 // time 0 are the same model.
 TEST(StepResponseModel, ReadsOtherSpellings) {
-  const StepResponseModel model = Parsed(kTankCsv);
-  ExpectSame(model, Parsed(absl::StrReplaceAll(
+  const StepResponseModel model = ParsedResponses(kTankCsv);
+  ExpectSame(model, ParsedResponses(absl::StrReplaceAll(
                         kTankCsv, {{",", ";"}, {".", ","}, {"\n", ";;\r\n"}})));
-  ExpectSame(model, Parsed(absl::StrReplaceAll(kTankCsv, {{",", "\t"}})));
-  ExpectSame(model, Parsed(absl::StrReplaceAll(
+  ExpectSame(model,
+             ParsedResponses(absl::StrReplaceAll(kTankCsv, {{",", "\t"}})));
+  ExpectSame(model, ParsedResponses(absl::StrReplaceAll(
                         kTankCsv,
                         {{"time unit", "Time_Unit"},
                          {"interval,2", " Interval , 2.0"},
                          {"time,temp", "time to steady state,24\n\nTime,temp"},
                          {"2,0,-0.1\n", "0,0,0\n2,0,-0.1\n"}})));
   // Without lines of channels, the header names them.
-  const StepResponseModel bare = Parsed(
+  const StepResponseModel bare = ParsedResponses(
       absl::StrReplaceAll(kTankCsv, {{"input,steam,t/h\n", ""},
                                      {"input,inflow,m3/h,disturbance\n", ""},
                                      {"output,temperature,degC\n", ""},
@@ -127,8 +128,8 @@ TEST(StepResponseModel, RoundTripsAreExact) {
     model.pairs.push_back(std::move(pair));
   }
   ASSERT_TRUE(model.Validate().ok()) << model.Validate();
-  ExpectSame(Parsed(FormatStepResponseCsv(model)), model);
-  ExpectSame(Parsed(FormatStepResponseJson(model)), model);
+  ExpectSame(ParsedResponses(FormatStepResponseCsv(model)), model);
+  ExpectSame(ParsedResponses(FormatStepResponseJson(model)), model);
 }
 
 TEST(StepResponseModel, SaysWhatIsWrongInATable) {
@@ -206,7 +207,7 @@ TEST(StepResponseModel, SaysWhatIsWrongInJson) {
 
 // c_k + ψ_k − φ_k where these differ, the same bits where they do not.
 TEST(StepResponseModel, TakesAChange) {
-  const StepResponseModel model = Parsed(kTankCsv);
+  const StepResponseModel model = ParsedResponses(kTankCsv);
   ProcessModel before = model.channels;
   before.element(0, 0) = TransferFunction::FirstOrder(5.0, 6.0, 2.0);
   before.element(0, 1) = TransferFunction::FirstOrder(-0.47, 7.0, 0.0);
@@ -227,7 +228,7 @@ TEST(StepResponseModel, TakesAChange) {
 }
 
 TEST(StepResponseModel, TakesAPairThatAppears) {
-  StepResponseModel model = Parsed(kTankCsv);
+  StepResponseModel model = ParsedResponses(kTankCsv);
   model.pairs.pop_back();
   ProcessModel before = model.channels;
   before.element(0, 0) = TransferFunction::FirstOrder(5.0, 6.0, 2.0);

@@ -8,25 +8,17 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/LU"
-#include "Eigen/SVD"
-#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/model/largest_gain.h"
+#include "tests/mle/base/optimised_algebra.h"
+#include "tests/sim/test_models.h"
 
 namespace mle {
 namespace {
 
+using ::mle::testing::EmptyModel;
 using ::testing::HasSubstr;
-
-ProcessModel EmptyModel(int p, int m) {
-  std::vector<InputChannel> inputs;
-  std::vector<OutputChannel> outputs;
-  for (int j = 0; j < m; ++j) inputs.push_back({absl::StrCat("u", j), ""});
-  for (int i = 0; i < p; ++i) outputs.push_back({absl::StrCat("y", i), ""});
-  return ProcessModel("test", "min", inputs, outputs);
-}
 
 // g(s) = K ω² / (s² + 2ζω s + ω²) e^{−Ls}.
 TransferFunction Resonance(double gain, double damping, double frequency,
@@ -58,7 +50,7 @@ ProcessModel Awkward() {
 }
 
 // Poles, dead times and gains by chance; a tenth of the pairs is zero.
-ProcessModel RandomModel(int p, int m, unsigned seed) {
+ProcessModel RandomPlant(int p, int m, unsigned seed) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::normal_distribution<double> normal;
@@ -117,8 +109,7 @@ Eigen::MatrixXcd Transfer(const DiscreteStateSpace& system, double omega) {
       system.A.cast<std::complex<double>>();
   Eigen::MatrixXcd transfer =
       system.C.cast<std::complex<double>>() *
-          inner.partialPivLu().solve(
-              system.B.cast<std::complex<double>>().eval()) +
+          Solve(inner, system.B.cast<std::complex<double>>()) +
       system.D.cast<std::complex<double>>();
   for (int i = 0; i < system.num_outputs(); ++i) {
     for (int j = 0; j < system.num_inputs(); ++j) {
@@ -132,12 +123,7 @@ Eigen::MatrixXcd Transfer(const DiscreteStateSpace& system, double omega) {
 // Σ_l h(l) e^{−jωl}.
 Eigen::MatrixXcd Transfer(const Eigen::MatrixXd& impulses, int p, int m,
                           double omega) {
-  Eigen::VectorXcd turns(impulses.rows());
-  for (Eigen::Index l = 0; l < turns.size(); ++l) {
-    turns(l) = std::polar(1.0, -omega * static_cast<double>(l));
-  }
-  const Eigen::VectorXcd flat = impulses.transpose() * turns;
-  return flat.reshaped<Eigen::RowMajor>(p, m);
+  return FourierSums(impulses, omega).reshaped<Eigen::RowMajor>(p, m);
 }
 
 std::vector<double> Frequencies() {
@@ -190,7 +176,7 @@ void CheckBounds(const ProcessModel& model, double sample_time, int samples) {
 TEST(BalancedReductionTest, TheErrorIsWithinItsBoundAtEveryFrequency) {
   CheckBounds(WoodBerry(), 0.5, 2000);
   CheckBounds(Awkward(), 0.5, 8000);
-  CheckBounds(RandomModel(3, 7, 11), 1.0, 3000);
+  CheckBounds(RandomPlant(3, 7, 11), 1.0, 3000);
 }
 
 // Of the largest difference that is reported, an independent computation.
@@ -261,8 +247,7 @@ TEST(BalancedReductionTest, HankelValuesAreThoseOfTheHankelMatrix) {
       }
     }
   }
-  const Eigen::VectorXd expected =
-      Eigen::JacobiSVD<Eigen::MatrixXd>(hankel).singularValues();
+  const Eigen::VectorXd expected = SingularValues(hankel);
   const ReducedModel reduced = Reduce(model, 1.0, 1e-3);
   EXPECT_EQ(reduced.system.input_delays[0] + reduced.system.output_delays[0],
             1);
@@ -290,7 +275,7 @@ TEST(BalancedReductionTest, TheValueOfAFirstOrderElementIsItsClosedForm) {
 
 TEST(BalancedReductionTest, AtFullOrderTheModelIsExact) {
   for (const ProcessModel& model :
-       {WoodBerry(), Awkward(), RandomModel(4, 4, 3)}) {
+       {WoodBerry(), Awkward(), RandomPlant(4, 4, 3)}) {
     const ReducedModel reduced = Reduce(model, 0.5, 1e-9);
     const StepResponse exact = model.ComputeStepResponse(0.5, 900);
     const StepResponse found = reduced.system.ComputeStepResponse(900);

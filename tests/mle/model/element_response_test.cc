@@ -41,8 +41,9 @@ SampledDelay Split(double delay) {
   return {whole, samples - whole};
 }
 
-MatrixXd Simulate(const ElementResponse& element, double time_scale,
-                  double delay, const VectorXd& inputs, double past = 0.0) {
+MatrixXd SimulateElement(const ElementResponse& element, double time_scale,
+                         double delay, const VectorXd& inputs,
+                         double past = 0.0) {
   MatrixXd columns(inputs.size(), 3);
   element.Simulate(time_scale, kSampleTime, Split(delay), inputs, past,
                    columns);
@@ -78,8 +79,8 @@ TEST(ElementResponseTest, StepResponseIsThatOfTheTransferFunction) {
     const ElementResponse response = Make(element);
     const ElementValues& values = response.initial_values();
     const VectorXd step =
-        values.gain * Simulate(response, values.time_scale, values.delay,
-                               VectorXd::Ones(kSamples))
+        values.gain * SimulateElement(response, values.time_scale, values.delay,
+                                      VectorXd::Ones(kSamples))
                           .col(0);
     // Two exact computations, a hundred steps of rounding apart.
     EXPECT_LT((step - element.StepResponse(kSampleTime, kSamples))
@@ -102,9 +103,10 @@ TEST(ElementResponseTest, AnyInputIsASumOfSteps) {
       const double move = inputs(k) - (k == 0 ? past : inputs(k - 1));
       expected.tail(kSamples - k) += move * step.head(kSamples - k);
     }
-    const VectorXd y = values.gain * Simulate(response, values.time_scale,
-                                              values.delay, inputs, past)
-                                         .col(0);
+    const VectorXd y =
+        values.gain *
+        SimulateElement(response, values.time_scale, values.delay, inputs, past)
+            .col(0);
     EXPECT_LT((y - expected).cwiseAbs().maxCoeff(),
               1e-9 * std::abs(values.gain));
   }
@@ -120,9 +122,10 @@ TEST(ElementResponseTest, IsTheResponseOfTheProcessModel) {
     ASSERT_TRUE(expected.ok()) << expected.status();
     const ElementResponse response = Make(element);
     const ElementValues& values = response.initial_values();
-    const VectorXd y = values.gain * Simulate(response, values.time_scale,
-                                              values.delay, inputs, inputs(0))
-                                         .col(0);
+    const VectorXd y =
+        values.gain * SimulateElement(response, values.time_scale, values.delay,
+                                      inputs, inputs(0))
+                          .col(0);
     EXPECT_LT((y - expected->row(0).transpose()).cwiseAbs().maxCoeff(),
               1e-11 * std::abs(values.gain));
   }
@@ -136,14 +139,14 @@ TEST(ElementResponseTest, DerivativesAreThoseOfDifferences) {
     const double T = response.initial_values().time_scale;
     // Inside a sample, where the response is smooth in L.
     const double L = 1.13;
-    const MatrixXd columns = Simulate(response, T, L, inputs, 0.3);
+    const MatrixXd columns = SimulateElement(response, T, L, inputs, 0.3);
     const VectorXd by_log =
-        (Simulate(response, T * std::exp(h), L, inputs, 0.3).col(0) -
-         Simulate(response, T * std::exp(-h), L, inputs, 0.3).col(0)) /
+        (SimulateElement(response, T * std::exp(h), L, inputs, 0.3).col(0) -
+         SimulateElement(response, T * std::exp(-h), L, inputs, 0.3).col(0)) /
         (2.0 * h);
     const VectorXd by_delay =
-        (Simulate(response, T, L + h, inputs, 0.3).col(0) -
-         Simulate(response, T, L - h, inputs, 0.3).col(0)) /
+        (SimulateElement(response, T, L + h, inputs, 0.3).col(0) -
+         SimulateElement(response, T, L - h, inputs, 0.3).col(0)) /
         (2.0 * h);
     // Differences err by h² times third derivatives, (h/T)² of the slope: a
     // part in 10⁷ for the fastest element; rounding by 1e-16/h.
@@ -167,9 +170,9 @@ TEST(ElementResponseTest, AtAKinkEachSampleHasItsOwnDerivative) {
   const double L = 7 * kSampleTime;
   const VectorXd y = before.col(0);
   const VectorXd from_left =
-      (y - Simulate(response, 5.0, L - h, inputs).col(0)) / h;
+      (y - SimulateElement(response, 5.0, L - h, inputs).col(0)) / h;
   const VectorXd from_right =
-      (Simulate(response, 5.0, L + h, inputs).col(0) - y) / h;
+      (SimulateElement(response, 5.0, L + h, inputs).col(0) - y) / h;
   // One-sided differences err by h/2 times the curvature, here below 1/T².
   EXPECT_LT((before.col(2) - from_left).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT((after.col(2) - from_right).cwiseAbs().maxCoeff(), 1e-6);
@@ -184,10 +187,12 @@ TEST(ElementResponseTest, FreeResponsesMakeUpForForgottenInputs) {
     const int begin = 40;
     const int count = kSamples - begin;
     const VectorXd whole =
-        Simulate(response, v.time_scale, v.delay, inputs).col(0).tail(count);
-    const VectorXd part =
-        Simulate(response, v.time_scale, v.delay, inputs.tail(count), 0.0)
-            .col(0);
+        SimulateElement(response, v.time_scale, v.delay, inputs)
+            .col(0)
+            .tail(count);
+    const VectorXd part = SimulateElement(response, v.time_scale, v.delay,
+                                          inputs.tail(count), 0.0)
+                              .col(0);
     // Once the dead time has passed, what is missing is a free response.
     const int skip = static_cast<int>(v.delay / kSampleTime) + 1;
     MatrixXd modes;
@@ -270,7 +275,7 @@ TEST(ElementResponseTest, RunsInPieces) {
     const ElementResponse response = Make(element);
     const ElementValues& v = response.initial_values();
     const MatrixXd whole =
-        Simulate(response, v.time_scale, v.delay, inputs, 0.4);
+        SimulateElement(response, v.time_scale, v.delay, inputs, 0.4);
     for (const int columns : {1, 3}) {
       ElementRun run =
           response.Run(v.time_scale, kSampleTime, Split(v.delay), inputs, 0.4,
@@ -303,7 +308,7 @@ TEST(ElementResponseTest, FirstOrderAsNumbers) {
     ++found;
     const ElementRun::FirstOrder by = run.AsFirstOrder();
     const MatrixXd columns =
-        Simulate(response, v.time_scale, v.delay, inputs, 0.4);
+        SimulateElement(response, v.time_scale, v.delay, inputs, 0.4);
     // In two goes, with a stride.
     MatrixXd u = MatrixXd::Zero(2, kSamples + 2);
     const int half = kSamples / 3;
@@ -337,9 +342,10 @@ TEST(ElementResponseTest, ValuesMakeTheTransferFunction) {
     const TransferFunction changed = response.ToTransferFunction(v);
     ASSERT_TRUE(changed.Validate().ok());
     EXPECT_NEAR(changed.StaticGain(), v.gain, 1e-12 * std::abs(v.gain));
-    const VectorXd step = v.gain * Simulate(response, v.time_scale, v.delay,
-                                            VectorXd::Ones(kSamples))
-                                       .col(0);
+    const VectorXd step =
+        v.gain * SimulateElement(response, v.time_scale, v.delay,
+                                 VectorXd::Ones(kSamples))
+                     .col(0);
     EXPECT_LT((step - changed.StepResponse(kSampleTime, kSamples))
                   .cwiseAbs()
                   .maxCoeff(),

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-constexpr char kValid[] = R"({
+constexpr char kValidProcess[] = R"({
   "name": "column",
   "time_unit": "min",
   "inputs": [
@@ -36,9 +36,9 @@ constexpr char kValid[] = R"({
 })";
 
 // What is said of the valid file with `from` changed to `to`.
-std::string MessageWith(const std::string& from, const std::string& to) {
-  const std::string text = absl::StrReplaceAll(kValid, {{from, to}});
-  EXPECT_NE(text, kValid) << from;
+std::string ProcessMessageWith(const std::string& from, const std::string& to) {
+  const std::string text = absl::StrReplaceAll(kValidProcess, {{from, to}});
+  EXPECT_NE(text, kValidProcess) << from;
   const auto model = ParseProcessModel(text, "plant.json");
   EXPECT_FALSE(model.ok()) << text;
   EXPECT_TRUE(absl::IsInvalidArgument(model.status())) << model.status();
@@ -64,7 +64,7 @@ void ExpectSame(const ProcessModel& a, const ProcessModel& b) {
 }
 
 TEST(ParseProcessModelTest, ReadsBothForms) {
-  const auto model = ParseProcessModel(kValid, "plant.json");
+  const auto model = ParseProcessModel(kValidProcess, "plant.json");
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_EQ(model->name(), "column");
   EXPECT_EQ(model->time_unit(), "min");
@@ -78,7 +78,7 @@ TEST(ParseProcessModelTest, ReadsBothForms) {
 
 std::string WithIntegrator(const std::string& dynamics) {
   return absl::StrReplaceAll(
-      kValid, {{"\"gain\": 12.8, \"time_constant\": 16.7", dynamics}});
+      kValidProcess, {{"\"gain\": 12.8, \"time_constant\": 16.7", dynamics}});
 }
 
 TEST(ParseProcessModelTest, ReadsIntegrators) {
@@ -142,13 +142,14 @@ TEST(ParseProcessModelTest, AbsentPairIsZero) {
 
 TEST(ParseProcessModelTest, SyntaxErrorsNameFileLineAndColumn) {
   // The comma missing after "column", seen at the next key.
-  EXPECT_THAT(MessageWith("\"column\",", "\"column\""),
+  EXPECT_THAT(ProcessMessageWith("\"column\",", "\"column\""),
               StartsWith("plant.json: line 3, column"));
-  EXPECT_THAT(MessageWith("12.8", "12.8.1"),
+  EXPECT_THAT(ProcessMessageWith("12.8", "12.8.1"),
               StartsWith("plant.json: line 11, column"));
-  EXPECT_THAT(MessageWith("12.8", "NaN"), HasSubstr("line 11, column"));
-  EXPECT_THAT(MessageWith("12.8", "Infinity"), HasSubstr("line 11, column"));
-  EXPECT_THAT(MessageWith("12.8", "1e999"),
+  EXPECT_THAT(ProcessMessageWith("12.8", "NaN"), HasSubstr("line 11, column"));
+  EXPECT_THAT(ProcessMessageWith("12.8", "Infinity"),
+              HasSubstr("line 11, column"));
+  EXPECT_THAT(ProcessMessageWith("12.8", "1e999"),
               AllOf(HasSubstr("line 11, column"), HasSubstr("1e999"),
                     HasSubstr("out of range")));
   for (const char* text : {"", " ", "{", "[1, 2", "\"\xff\"", "{}x", "nul"}) {
@@ -160,89 +161,98 @@ TEST(ParseProcessModelTest, SyntaxErrorsNameFileLineAndColumn) {
 }
 
 TEST(ParseProcessModelTest, UnknownKeysAreNamedWithTheirPlace) {
-  EXPECT_THAT(MessageWith("\"gain\"", "\"gian\""),
+  EXPECT_THAT(ProcessMessageWith("\"gain\"", "\"gian\""),
               AllOf(StartsWith("plant.json: elements[0]: unknown key \"gian\""),
                     HasSubstr("output, input, delay, gain")));
-  EXPECT_THAT(MessageWith("\"role\": \"dist", "\"rôle\": \"dist"),
+  EXPECT_THAT(ProcessMessageWith("\"role\": \"dist", "\"rôle\": \"dist"),
               AllOf(HasSubstr("inputs[1]"), HasSubstr("name, unit, role")));
-  EXPECT_THAT(MessageWith("\"name\": \"column\"", "\"title\": \"column\""),
-              HasSubstr("plant.json: unknown key \"title\""));
+  EXPECT_THAT(
+      ProcessMessageWith("\"name\": \"column\"", "\"title\": \"column\""),
+      HasSubstr("plant.json: unknown key \"title\""));
 }
 
 TEST(ParseProcessModelTest, MissingKeysAreNamed) {
-  EXPECT_THAT(MessageWith(", \"delay\": 1}", "}"),
+  EXPECT_THAT(ProcessMessageWith(", \"delay\": 1}", "}"),
               HasSubstr("elements[0]: key \"delay\" is missing"));
-  EXPECT_THAT(MessageWith(", \"unit\": \"wt%\"", ""),
+  EXPECT_THAT(ProcessMessageWith(", \"unit\": \"wt%\"", ""),
               HasSubstr("outputs[0]: key \"unit\" is missing"));
-  EXPECT_THAT(MessageWith("\"time_unit\": \"min\",", ""),
+  EXPECT_THAT(ProcessMessageWith("\"time_unit\": \"min\",", ""),
               HasSubstr("key \"time_unit\" is missing"));
 }
 
 TEST(ParseProcessModelTest, RepeatedKeysAreNamedWithTheirPlace) {
-  EXPECT_THAT(MessageWith("\"delay\": 8.1", "\"delay\": 8.1, \"delay\": 8.2"),
-              HasSubstr("elements[1]: key \"delay\" is duplicated"));
-  EXPECT_THAT(MessageWith("\"name\": \"column\"",
-                          "\"name\": \"column\", \"name\": \"column\""),
+  EXPECT_THAT(
+      ProcessMessageWith("\"delay\": 8.1", "\"delay\": 8.1, \"delay\": 8.2"),
+      HasSubstr("elements[1]: key \"delay\" is duplicated"));
+  EXPECT_THAT(ProcessMessageWith("\"name\": \"column\"",
+                                 "\"name\": \"column\", \"name\": \"column\""),
               HasSubstr("plant.json: key \"name\" is duplicated"));
 }
 
 TEST(ParseProcessModelTest, EitherFormWhole) {
-  EXPECT_THAT(MessageWith("\"gain\": 12.8, ", ""),
+  EXPECT_THAT(ProcessMessageWith("\"gain\": 12.8, ", ""),
               AllOf(HasSubstr("elements[0]"), HasSubstr("has time_constant")));
+  EXPECT_THAT(ProcessMessageWith("\"gain\": 12.8, ",
+                                 "\"gain\": 12.8, \"numerator\": [1], "),
+              HasSubstr("has gain, time_constant, numerator"));
   EXPECT_THAT(
-      MessageWith("\"gain\": 12.8, ", "\"gain\": 12.8, \"numerator\": [1], "),
-      HasSubstr("has gain, time_constant, numerator"));
-  EXPECT_THAT(MessageWith("\"gain\": 12.8, \"time_constant\": 16.7, ", ""),
-              HasSubstr("has none of them"));
+      ProcessMessageWith("\"gain\": 12.8, \"time_constant\": 16.7, ", ""),
+      HasSubstr("has none of them"));
 }
 
 TEST(ParseProcessModelTest, WrongTypesAreNamed) {
-  EXPECT_THAT(MessageWith("12.8", "\"12.8\""),
+  EXPECT_THAT(ProcessMessageWith("12.8", "\"12.8\""),
               HasSubstr("elements[0].gain: must be a number, is the string "
                         "\"12.8\""));
-  EXPECT_THAT(MessageWith("12.8", "null"), HasSubstr("is null"));
-  EXPECT_THAT(MessageWith("[-4, 3.8]", "[-4, true]"),
+  EXPECT_THAT(ProcessMessageWith("12.8", "null"), HasSubstr("is null"));
+  EXPECT_THAT(ProcessMessageWith("[-4, 3.8]", "[-4, true]"),
               HasSubstr("elements[1].numerator[1]: must be a number, is true"));
-  EXPECT_THAT(MessageWith("[-4, 3.8]", "[]"),
+  EXPECT_THAT(ProcessMessageWith("[-4, 3.8]", "[]"),
               HasSubstr("numerator: is an empty list"));
-  EXPECT_THAT(MessageWith("[-4, 3.8]", "3"),
+  EXPECT_THAT(ProcessMessageWith("[-4, 3.8]", "3"),
               HasSubstr("numerator: must be a list, is the number 3"));
-  EXPECT_THAT(MessageWith("\"min\"", "60"),
+  EXPECT_THAT(ProcessMessageWith("\"min\"", "60"),
               HasSubstr("time_unit: must be a string, is the number 60"));
-  EXPECT_THAT(MessageWith("[{\"name\": \"overhead\", \"unit\": \"wt%\"}]",
-                          "\"overhead\""),
-              HasSubstr("outputs: must be a list, is the string"));
-  EXPECT_THAT(MessageWith("[{\"name\": \"overhead\", \"unit\": \"wt%\"}]",
-                          "[\"overhead\"]"),
-              HasSubstr("outputs[0]: must be an object"));
+  EXPECT_THAT(
+      ProcessMessageWith("[{\"name\": \"overhead\", \"unit\": \"wt%\"}]",
+                         "\"overhead\""),
+      HasSubstr("outputs: must be a list, is the string"));
+  EXPECT_THAT(
+      ProcessMessageWith("[{\"name\": \"overhead\", \"unit\": \"wt%\"}]",
+                         "[\"overhead\"]"),
+      HasSubstr("outputs[0]: must be an object"));
   EXPECT_THAT(
       std::string(ParseProcessModel("[1]", "plant.json").status().message()),
       HasSubstr("must be an object, is an array"));
 }
 
 TEST(ParseProcessModelTest, ValuesOutOfRangeAreNamed) {
-  EXPECT_THAT(MessageWith("16.7", "0"),
+  EXPECT_THAT(ProcessMessageWith("16.7", "0"),
               HasSubstr("elements[0].time_constant: must be a number > 0, is "
                         "the number 0"));
-  EXPECT_THAT(MessageWith("16.7", "-16.7"), HasSubstr("is the number -16.7"));
-  EXPECT_THAT(MessageWith("8.1", "-8.1"),
+  EXPECT_THAT(ProcessMessageWith("16.7", "-16.7"),
+              HasSubstr("is the number -16.7"));
+  EXPECT_THAT(ProcessMessageWith("8.1", "-8.1"),
               HasSubstr("elements[1]: delay is -8.1"));
-  EXPECT_THAT(MessageWith("[74.5, 29.9, 1]", "[74.5, 0, 0]"),
+  EXPECT_THAT(ProcessMessageWith("[74.5, 29.9, 1]", "[74.5, 0, 0]"),
               HasSubstr("elements[1]: denominator"));
-  EXPECT_THAT(MessageWith("[-4, 3.8]", "[1, 2, 3, 4]"), HasSubstr("proper"));
-  EXPECT_THAT(MessageWith("\"disturbance\"", "\"nuisance\""),
+  EXPECT_THAT(ProcessMessageWith("[-4, 3.8]", "[1, 2, 3, 4]"),
+              HasSubstr("proper"));
+  EXPECT_THAT(ProcessMessageWith("\"disturbance\"", "\"nuisance\""),
               HasSubstr("inputs[1].role: is \"nuisance\""));
 }
 
 TEST(ParseProcessModelTest, ChannelsMustBeKnownAndDistinct) {
-  EXPECT_THAT(MessageWith("\"input\": \"feed\"", "\"input\": \"fede\""),
+  EXPECT_THAT(ProcessMessageWith("\"input\": \"feed\"", "\"input\": \"fede\""),
               AllOf(HasSubstr("elements[1].input: \"fede\" is unknown"),
                     HasSubstr("\"reflux\", \"feed\"")));
-  EXPECT_THAT(MessageWith("\"input\": \"feed\"", "\"input\": \"reflux\""),
-              AllOf(HasSubstr("elements[1]"), HasSubstr("is duplicated")));
-  EXPECT_THAT(MessageWith("{\"name\": \"feed\"", "{\"name\": \"overhead\""),
-              HasSubstr("is used already"));
-  EXPECT_THAT(MessageWith("{\"name\": \"feed\"", "{\"name\": \"\""),
+  EXPECT_THAT(
+      ProcessMessageWith("\"input\": \"feed\"", "\"input\": \"reflux\""),
+      AllOf(HasSubstr("elements[1]"), HasSubstr("is duplicated")));
+  EXPECT_THAT(
+      ProcessMessageWith("{\"name\": \"feed\"", "{\"name\": \"overhead\""),
+      HasSubstr("is used already"));
+  EXPECT_THAT(ProcessMessageWith("{\"name\": \"feed\"", "{\"name\": \"\""),
               HasSubstr("inputs[1]: name is empty"));
 }
 
@@ -278,7 +288,7 @@ TEST(ParseProcessModelTest, HostileTextIsAnError) {
 }
 
 TEST(ParseProcessModelTest, NoPrefixOrBrokenByteCrashes) {
-  const std::string valid = kValid;
+  const std::string valid = kValidProcess;
   for (std::size_t n = 0; n < valid.size(); ++n) {
     EXPECT_FALSE(ParseProcessModel(valid.substr(0, n), "x").ok()) << n;
   }
@@ -397,7 +407,7 @@ TEST(ReadProcessModelTest, MissingFileIsNotFound) {
 TEST(WriteProcessModelTest, WritesWhatIsReadAndRefusesTheInvalid) {
   const ScratchFolder folder;
   const std::string path = folder / "model.json";
-  ProcessModel model = *ParseProcessModel(kValid, "valid");
+  ProcessModel model = *ParseProcessModel(kValidProcess, "valid");
   ASSERT_TRUE(WriteProcessModel(model, path).ok());
   ExpectSame(model, *ReadProcessModel(path));
   model.element(0, 0).set_delay(std::numeric_limits<double>::quiet_NaN());

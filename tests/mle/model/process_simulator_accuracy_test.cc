@@ -24,8 +24,8 @@ using testing::SingleLoop;
 constexpr double kTolerance = 1e-12;
 
 // p × (N + 1): the outputs at 0 … N under the inputs (m × N).
-MatrixXd Simulate(const ProcessModel& model, double sample_time,
-                  const MatrixXd& inputs) {
+MatrixXd SimulateHeld(const ProcessModel& model, double sample_time,
+                      const MatrixXd& inputs) {
   absl::StatusOr<ProcessSimulator> created =
       ProcessSimulator::Create(model, sample_time);
   EXPECT_TRUE(created.ok()) << created.status();
@@ -41,7 +41,8 @@ MatrixXd Simulate(const ProcessModel& model, double sample_time,
 
 VectorXd StepOf(const TransferFunction& element, double sample_time,
                 int steps) {
-  return Simulate(SingleLoop(element), sample_time, MatrixXd::Ones(1, steps))
+  return SimulateHeld(SingleLoop(element), sample_time,
+                      MatrixXd::Ones(1, steps))
       .row(0);
 }
 
@@ -151,7 +152,7 @@ TEST(ProcessSimulatorAccuracyTest, AgreesWithTheStepResponses) {
   for (int j = 0; j < model.num_inputs(); ++j) {
     MatrixXd inputs = MatrixXd::Zero(model.num_inputs(), steps);
     inputs.row(j).setOnes();
-    const MatrixXd y = Simulate(model, 0.2, inputs);
+    const MatrixXd y = SimulateHeld(model, 0.2, inputs);
     for (int i = 0; i < model.num_outputs(); ++i) {
       const VectorXd expected = exact.element(i, j);
       EXPECT_LE((y.row(i).transpose() - expected).cwiseAbs().maxCoeff(),
@@ -169,7 +170,7 @@ TEST(ProcessSimulatorAccuracyTest, RandomInputAgainstTheExactDiscretisation) {
   const MatrixXd u = GaussianNoise(3, 0).DrawMatrix(1, steps, 1.0);
   for (const auto& [q, f] : std::vector<std::pair<int, double>>{
            {0, 0.0}, {0, 0.4}, {5, 0.0}, {5, 0.75}}) {
-    const MatrixXd y = Simulate(
+    const MatrixXd y = SimulateHeld(
         SingleLoop(TransferFunction::FirstOrder(K, T, (q + f) * dt)), dt, u);
     const double a = std::exp(-dt / T);
     const double c = std::exp(-(1.0 - f) * dt / T);
@@ -193,7 +194,7 @@ TEST(ProcessSimulatorAccuracyTest, RandomInputsAgainstSuperposedStepResponses) {
   const ProcessModel model = testing::MixedModel();
   const int steps = 250;
   const MatrixXd u = GaussianNoise(4, 0).DrawMatrix(3, steps, 1.0);
-  const MatrixXd y = Simulate(model, 0.2, u);
+  const MatrixXd y = SimulateHeld(model, 0.2, u);
   const StepResponse phi = model.ComputeStepResponse(0.2, steps + 1);
   MatrixXd expected = MatrixXd::Zero(2, steps + 1);
   for (int k = 1; k <= steps; ++k) {

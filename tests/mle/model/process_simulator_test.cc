@@ -32,7 +32,7 @@ MatrixXd SimulateModel(const ProcessModel& model, const MatrixXd& inputs) {
   return outputs;
 }
 
-MatrixXd RandomInputs(int seed, int m, int steps) {
+MatrixXd RandomSignals(int seed, int m, int steps) {
   return GaussianNoise(seed, 0).DrawMatrix(m, steps, 1.0);
 }
 
@@ -58,8 +58,8 @@ TEST(ProcessSimulatorTest, AnAbsentPairHasNoEffect) {
 }
 
 TEST(ProcessSimulatorTest, Superposition) {
-  const MatrixXd u = RandomInputs(1, 3, 200);
-  const MatrixXd v = RandomInputs(2, 3, 200);
+  const MatrixXd u = RandomSignals(1, 3, 200);
+  const MatrixXd v = RandomSignals(2, 3, 200);
   const MatrixXd combined = 2.0 * SimulateModel(MixedModel(), u) -
                             0.5 * SimulateModel(MixedModel(), v);
   // Values of order 1 to 10: rounding.
@@ -78,7 +78,7 @@ TEST(ProcessSimulatorTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
                                       shift * 0.2);
     }
   }
-  const MatrixXd u = RandomInputs(1, 3, 200);
+  const MatrixXd u = RandomSignals(1, 3, 200);
   const MatrixXd y = SimulateModel(MixedModel(), u);
   const MatrixXd late = SimulateModel(delayed, u);
   EXPECT_EQ(late.leftCols(shift + 1).norm(), 0.0);
@@ -90,7 +90,7 @@ TEST(ProcessSimulatorTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
 }
 
 TEST(ProcessSimulatorTest, LaterInputShiftsTheResponse) {
-  const MatrixXd u = RandomInputs(1, 3, 100);
+  const MatrixXd u = RandomSignals(1, 3, 100);
   MatrixXd late_input = MatrixXd::Zero(3, 130);
   late_input.rightCols(100) = u;
   const MatrixXd late = SimulateModel(MixedModel(), late_input);
@@ -101,9 +101,9 @@ TEST(ProcessSimulatorTest, LaterInputShiftsTheResponse) {
 // The present input cannot show before time has passed, and an output never
 // depends on inputs to come.
 TEST(ProcessSimulatorTest, IsCausal) {
-  const MatrixXd u = RandomInputs(1, 3, 100);
+  const MatrixXd u = RandomSignals(1, 3, 100);
   MatrixXd changed = u;
-  changed.rightCols(40) = RandomInputs(2, 3, 40);
+  changed.rightCols(40) = RandomSignals(2, 3, 40);
   const MatrixXd y = SimulateModel(MixedModel(), u);
   const MatrixXd z = SimulateModel(MixedModel(), changed);
   EXPECT_EQ(y.leftCols(61), z.leftCols(61));
@@ -112,7 +112,7 @@ TEST(ProcessSimulatorTest, IsCausal) {
 
 // Within 1e-9 of a whole sample the dead time is whole, also from below.
 TEST(ProcessSimulatorTest, DeadTimeWithinRoundingOfASampleIsWhole) {
-  const MatrixXd u = RandomInputs(1, 1, 60);
+  const MatrixXd u = RandomSignals(1, 1, 60);
   const auto response = [&u](double delay) {
     return SimulateModel(SingleLoop(TransferFunction({1.0}, {1.0}, delay)), u);
   };
@@ -176,7 +176,7 @@ TEST(SimulateResponseTest, StartsSettledAtTheFirstInputs) {
 TEST(SimulateResponseTest, TheFirstInputsBalanceALevel) {
   const ProcessModel model =
       SingleLoop(TransferFunction::Integrator(0.5, 2.0, 0.7));
-  MatrixXd inputs = RandomInputs(3, 1, 60);
+  MatrixXd inputs = RandomSignals(3, 1, 60);
   inputs(0) = 0.0;
   const auto around_zero = SimulateResponse(model, 0.2, inputs);
   const auto around_nine =
@@ -190,7 +190,7 @@ TEST(SimulateResponseTest, TheFirstInputsBalanceALevel) {
 }
 
 TEST(SimulateResponseTest, GoesOnFromTheSettledState) {
-  MatrixXd inputs = RandomInputs(3, 3, 400);
+  MatrixXd inputs = RandomSignals(3, 3, 400);
   inputs.leftCols(300).colwise() = Eigen::Vector3d(0.5, -2.0, 1.0);
   const MatrixXd from_rest = SimulateModel(MixedModel(), inputs).leftCols(400);
   const absl::StatusOr<MatrixXd> y =
@@ -201,7 +201,7 @@ TEST(SimulateResponseTest, GoesOnFromTheSettledState) {
 }
 
 TEST(SimulateResponseTest, ScalesWithTheUnitsOfInputsAndOutputs) {
-  const MatrixXd inputs = RandomInputs(4, 1, 50);
+  const MatrixXd inputs = RandomSignals(4, 1, 50);
   const TransferFunction element({0.9}, {1.0, 0.4, 1.0}, 1.07);
   const TransferFunction scaled({0.9 * 8.0 / 0.25}, {1.0, 0.4, 1.0}, 1.07);
   const absl::StatusOr<MatrixXd> y =

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 // Three states, two inputs, one output; D and dead times of both kinds.
-DiscreteStateSpace Example() {
+DiscreteStateSpace ExampleSystem() {
   DiscreteStateSpace system;
   system.sample_time = 0.5;
   system.A =
@@ -32,7 +32,7 @@ DiscreteStateSpace Example() {
 }
 
 TEST(StateSpaceTest, SimulationIsTheConvolutionWithMarkovParameters) {
-  const DiscreteStateSpace system = Example();
+  const DiscreteStateSpace system = ExampleSystem();
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   Eigen::MatrixXd inputs(2, 40);
@@ -57,7 +57,7 @@ TEST(StateSpaceTest, SimulationIsTheConvolutionWithMarkovParameters) {
 }
 
 TEST(StateSpaceTest, StepResponseIsASimulationAndSettlesAtTheStaticGain) {
-  const DiscreteStateSpace system = Example();
+  const DiscreteStateSpace system = ExampleSystem();
   const StepResponse response = system.ComputeStepResponse(400);
   EXPECT_EQ(response.sample_time, 0.5);
   for (int j = 0; j < 2; ++j) {
@@ -78,7 +78,7 @@ TEST(StateSpaceTest, StepResponseIsASimulationAndSettlesAtTheStaticGain) {
 // The third state integrates both inputs; the output is a lag of it, and of the
 // second input another.
 TEST(StateSpaceTest, StepResponsesOfLevelsEndInTheirSlopes) {
-  DiscreteStateSpace system = Example();
+  DiscreteStateSpace system = ExampleSystem();
   EXPECT_FALSE(system.IsIntegrating());
   EXPECT_EQ(system.Slopes(), Eigen::MatrixXd::Zero(1, 2));
   system.A(2, 2) = 1.0;
@@ -99,41 +99,41 @@ TEST(StateSpaceTest, StepResponsesOfLevelsEndInTheirSlopes) {
   EXPECT_NEAR(system.StaticGains()(0, 1), response.element(0, 1)(399), 1e-10);
 }
 
-std::string Refusal(DiscreteStateSpace system) {
+std::string SystemRefusal(DiscreteStateSpace system) {
   return std::string(system.Validate().message());
 }
 
 TEST(StateSpaceTest, ValidateNamesWhatIsWrong) {
-  EXPECT_TRUE(Example().Validate().ok()) << Example().Validate();
-  DiscreteStateSpace system = Example();
+  EXPECT_TRUE(ExampleSystem().Validate().ok()) << ExampleSystem().Validate();
+  DiscreteStateSpace system = ExampleSystem();
   system.sample_time = 0.0;
-  EXPECT_THAT(Refusal(system), HasSubstr("sample_time is 0"));
-  system = Example();
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("sample_time is 0"));
+  system = ExampleSystem();
   system.B.conservativeResize(2, 2);
-  EXPECT_THAT(Refusal(system), HasSubstr("B is 2 × 2, must be 3 × 2"));
-  system = Example();
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("B is 2 × 2, must be 3 × 2"));
+  system = ExampleSystem();
   system.D(0, 1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(Refusal(system), HasSubstr("D holds an entry"));
-  system = Example();
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("D holds an entry"));
+  system = ExampleSystem();
   system.input_delays = {1};
-  EXPECT_THAT(Refusal(system),
+  EXPECT_THAT(SystemRefusal(system),
               HasSubstr("input_delays has 1 entries, must have 2"));
-  system = Example();
+  system = ExampleSystem();
   system.output_delays = {-1};
-  EXPECT_THAT(Refusal(system), HasSubstr("output_delays holds -1"));
-  system = Example();
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("output_delays holds -1"));
+  system = ExampleSystem();
   system.A(2, 2) = 1.001;
-  EXPECT_THAT(Refusal(system), HasSubstr("unstable"));
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("unstable"));
   system.A(2, 2) = -1.0;
-  EXPECT_THAT(Refusal(system), HasSubstr("unstable"));
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("unstable"));
   system.A(2, 2) = 1.0;
-  EXPECT_EQ(Refusal(system), "");
+  EXPECT_EQ(SystemRefusal(system), "");
   // The third state integrates, and the first integrates it.
   system.A = Eigen::Matrix3d{{1.0, 0.0, 0.5}, {0.0, 0.7, 0.0}, {0.0, 0.0, 1.0}};
-  EXPECT_THAT(Refusal(system), HasSubstr("integrates twice"));
+  EXPECT_THAT(SystemRefusal(system), HasSubstr("integrates twice"));
 }
 
-constexpr char kValid[] = R"({
+constexpr char kValidSystem[] = R"({
   "version": 1, "name": "tank", "time_unit": "min",
   "sample_time": 0.5, "order": 2,
   "outputs": ["level"], "inputs": ["inflow", "heat"],
@@ -145,16 +145,16 @@ constexpr char kValid[] = R"({
   "D": [[0, 0]]
 })";
 
-std::string MessageWith(const std::string& from, const std::string& to) {
-  const std::string text = absl::StrReplaceAll(kValid, {{from, to}});
-  EXPECT_NE(text, kValid) << from;
+std::string SystemMessageWith(const std::string& from, const std::string& to) {
+  const std::string text = absl::StrReplaceAll(kValidSystem, {{from, to}});
+  EXPECT_NE(text, kValidSystem) << from;
   const auto named = ParseStateSpace(text, "s.json");
   EXPECT_FALSE(named.ok()) << text;
   return std::string(named.status().message());
 }
 
 TEST(StateSpaceJsonTest, ReadsEveryKey) {
-  const auto named = ParseStateSpace(kValid, "s.json");
+  const auto named = ParseStateSpace(kValidSystem, "s.json");
   ASSERT_TRUE(named.ok()) << named.status();
   EXPECT_EQ(named->name, "tank");
   EXPECT_EQ(named->time_unit, "min");
@@ -194,11 +194,12 @@ TEST(StateSpaceJsonTest, ReadsTheShortestFile) {
   copy.SetChannels(channels);
   EXPECT_EQ(FormatStateSpace(copy), FormatStateSpace(*named));
   EXPECT_THAT(
-      MessageWith("\"accuracy\"", "\"disturbances\": [\"wind\"], \"accuracy\""),
+      SystemMessageWith("\"accuracy\"",
+                        "\"disturbances\": [\"wind\"], \"accuracy\""),
       HasSubstr("\"wind\" is not an input; the inputs are inflow, heat"));
-  EXPECT_THAT(
-      MessageWith("\"accuracy\"", "\"input_units\": [\"kW\"], \"accuracy\""),
-      HasSubstr("input_units has 1 units, must have 2"));
+  EXPECT_THAT(SystemMessageWith("\"accuracy\"",
+                                "\"input_units\": [\"kW\"], \"accuracy\""),
+              HasSubstr("input_units has 1 units, must have 2"));
 }
 
 TEST(StateSpaceJsonTest, ReadsBackWhatItWritesBitByBit) {
@@ -248,35 +249,36 @@ TEST(StateSpaceJsonTest, ReadsBackWhatItWritesBitByBit) {
 }
 
 TEST(StateSpaceJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
-  EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 3"),
+  EXPECT_THAT(SystemMessageWith("\"order\": 2", "\"order\": 3"),
               AllOf(StartsWith("s.json: A: must be a list of 3 rows, one for "
                                "each state"),
                     HasSubstr("is one of 2")));
-  EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 0"),
+  EXPECT_THAT(SystemMessageWith("\"order\": 2", "\"order\": 0"),
               HasSubstr("order: must be a whole number from 1"));
-  EXPECT_THAT(MessageWith("\"version\": 1", "\"version\": 2"),
+  EXPECT_THAT(SystemMessageWith("\"version\": 1", "\"version\": 2"),
               HasSubstr("version: must be a whole number from 1 to 1"));
-  EXPECT_THAT(MessageWith("\"order\": 2", "\"Order\": 2"),
+  EXPECT_THAT(SystemMessageWith("\"order\": 2", "\"Order\": 2"),
               HasSubstr("unknown key \"Order\"; allowed are name"));
-  EXPECT_THAT(MessageWith("\"D\": [[0, 0]]", "\"D\": [[0]]"),
+  EXPECT_THAT(SystemMessageWith("\"D\": [[0, 0]]", "\"D\": [[0]]"),
               HasSubstr("D[0]: must be a list of 2 numbers, one for each "
                         "input, is one of 1"));
-  EXPECT_THAT(MessageWith("[[1, 2],", "[[1, null],"),
+  EXPECT_THAT(SystemMessageWith("[[1, 2],", "[[1, null],"),
               HasSubstr("B[0][1]: must be a number"));
-  EXPECT_THAT(MessageWith("[3, 0]", "[3]"),
+  EXPECT_THAT(SystemMessageWith("[3, 0]", "[3]"),
               HasSubstr("input_delays: must be a list of 2 whole numbers"));
-  EXPECT_THAT(MessageWith("[3, 0]", "[3, 0.5]"),
+  EXPECT_THAT(SystemMessageWith("[3, 0]", "[3, 0.5]"),
               HasSubstr("input_delays[1]: must be a whole number from 0"));
-  EXPECT_THAT(MessageWith("\"output_delays\": [1]", "\"output_delays\": [-1]"),
-              HasSubstr("output_delays[0]: must be a whole number from 0"));
-  EXPECT_THAT(MessageWith("[0.004]", "[0.004, 1]"),
+  EXPECT_THAT(
+      SystemMessageWith("\"output_delays\": [1]", "\"output_delays\": [-1]"),
+      HasSubstr("output_delays[0]: must be a whole number from 0"));
+  EXPECT_THAT(SystemMessageWith("[0.004]", "[0.004, 1]"),
               HasSubstr("error_bounds must hold 1 finite numbers"));
-  EXPECT_THAT(MessageWith("[0.001]", "[-0.001]"),
+  EXPECT_THAT(SystemMessageWith("[0.001]", "[-0.001]"),
               HasSubstr("largest_differences must hold"));
-  EXPECT_THAT(MessageWith("[0.9,", "[1.5,"), HasSubstr("unstable"));
-  EXPECT_THAT(MessageWith("\"heat\"", "\"level\""),
+  EXPECT_THAT(SystemMessageWith("[0.9,", "[1.5,"), HasSubstr("unstable"));
+  EXPECT_THAT(SystemMessageWith("\"heat\"", "\"level\""),
               HasSubstr("the name \"level\" is duplicated"));
-  EXPECT_THAT(MessageWith("0.5", "-0.5"), HasSubstr("must be positive"));
+  EXPECT_THAT(SystemMessageWith("0.5", "-0.5"), HasSubstr("must be positive"));
 }
 
 // A ramp and a mode that grows, which no input reaches: in coordinates of their

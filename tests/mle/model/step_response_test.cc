@@ -6,7 +6,7 @@
 namespace mle {
 namespace {
 
-StepResponse Example() {
+StepResponse ExampleResponse() {
   StepResponse response(0.5, 1, 2, 4);
   response.element(0, 0) << 0.0, 1.0, 4.0, 5.0;
   response.element(0, 1) << 0.0, 0.0, -1.0, -3.0;
@@ -29,8 +29,8 @@ TEST(StepResponseTest, ElementsAreRowByRow) {
 }
 
 TEST(SquaredDistanceTest, IsASquaredNorm) {
-  const StepResponse a = Example();
-  StepResponse b = Example();
+  const StepResponse a = ExampleResponse();
+  StepResponse b = ExampleResponse();
   EXPECT_EQ(SquaredDistance(a, b), 0.0);
   b.values(2, 0) += 3.0;
   b.values(3, 1) -= 4.0;
@@ -39,7 +39,7 @@ TEST(SquaredDistanceTest, IsASquaredNorm) {
 }
 
 TEST(ImpulseResponsesTest, SumBackToTheStepResponse) {
-  const StepResponse response = Example();
+  const StepResponse response = ExampleResponse();
   const Eigen::MatrixXd impulses = ImpulseResponses(response);
   ASSERT_EQ(impulses.rows(), 4);
   EXPECT_TRUE(impulses.row(0).isZero(0.0));
@@ -51,7 +51,7 @@ TEST(ImpulseResponsesTest, SumBackToTheStepResponse) {
 }
 
 TEST(ImpulsePeakTimesTest, FindsTheLargestMagnitude) {
-  const Eigen::MatrixXd times = ImpulsePeakTimes(Example());
+  const Eigen::MatrixXd times = ImpulsePeakTimes(ExampleResponse());
   EXPECT_EQ(times(0, 0), 1.0);
   EXPECT_EQ(times(0, 1), 1.5);
 }

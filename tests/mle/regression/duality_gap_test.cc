@@ -64,7 +64,7 @@ Eigen::VectorXd RandomWeights(int n, std::mt19937_64& random) {
 }
 
 // Every term of the gap has been rounded relative to the moments' size, v.
-constexpr double kTolerance = 1e-13;
+constexpr double kGapTolerance = 1e-13;
 
 TEST(DualityGapTest, IsPrimalLessDual) {
   std::mt19937_64 random(1);
@@ -91,10 +91,10 @@ TEST(DualityGapTest, IsPrimalLessDual) {
                            static_cast<double>(values.primal);
       EXPECT_GE(gap.gap, 0.0);
       EXPECT_NEAR(gap.primal, static_cast<double>(values.primal),
-                  kTolerance * scale);
+                  kGapTolerance * scale);
       // The projection solves with a Gram matrix, of condition up to 1e4 here.
       EXPECT_NEAR(gap.gap, static_cast<double>(values.primal - values.dual),
-                  1e4 * kTolerance * scale)
+                  1e4 * kGapTolerance * scale)
           << "λ = " << lambda << ", n = " << n << ", N = " << rows;
       EXPECT_EQ(gap.response_square, problem.objective.response_square);
     }

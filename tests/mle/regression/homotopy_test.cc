@@ -26,8 +26,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-HomotopySummary Solve(const ExplicitLasso& problem,
-                      const HomotopyOptions& options = {}) {
+HomotopySummary SolveByHomotopy(const ExplicitLasso& problem,
+                                const HomotopyOptions& options = {}) {
   const auto summary = SolveHomotopy(problem.objective, options);
   EXPECT_TRUE(summary.ok()) << summary.status();
   return *summary;
@@ -168,7 +168,7 @@ TEST(HomotopyTest, NothingToExplainIsZeroEverywhere) {
                                 Eigen::VectorXd::Zero(20), weights);
     HomotopyOptions options;
     options.certify_at = Eigen::Vector3d(0.0, 1e-6, 1.0);
-    const HomotopySummary summary = Solve(problem, options);
+    const HomotopySummary summary = SolveByHomotopy(problem, options);
     EXPECT_EQ(summary.termination, HomotopyTermination::kReachedLambdaMin);
     EXPECT_EQ(summary.relative_gap, Eigen::Vector3d::Zero());
     for (const double lambda : {0.0, 1e-6, 1.0}) {
@@ -179,7 +179,7 @@ TEST(HomotopyTest, NothingToExplainIsZeroEverywhere) {
 
 TEST(HomotopyTest, IsZeroFromLambdaMaxOnAndNotBelow) {
   const ExplicitLasso problem = WellConditioned(20, 50, 11);
-  const HomotopySummary summary = Solve(problem);
+  const HomotopySummary summary = SolveByHomotopy(problem);
   const double lambda_max = problem.objective.LambdaMax();
   EXPECT_EQ(summary.path.lambda_begin(), lambda_max);
   EXPECT_TRUE(summary.path.Coefficients(lambda_max).isZero(0.0));
@@ -199,7 +199,7 @@ TEST(HomotopyTest, UnpenalisedCoefficientsAreLeastSquaresAboveLambdaMax) {
       (F.transpose() * F).ldlt().solve(F.transpose() * problem.e);
   HomotopyOptions options;
   options.certify_at = Eigen::Vector3d(0.01, 10.0, 1e6);
-  const HomotopySummary summary = Solve(problem, options);
+  const HomotopySummary summary = SolveByHomotopy(problem, options);
   EXPECT_LE(summary.MaxRelativeGap(), 1e-12);
   for (const double lambda : {10.0, 1e6, 1e200}) {
     const Eigen::VectorXd beta = summary.path.Coefficients(lambda);
@@ -219,7 +219,7 @@ TEST(HomotopyTest, UnpenalisedCoefficientsMayExplainEverything) {
   const ExplicitLasso problem(X, X.topRows(3).transpose() * beta, weights);
   HomotopyOptions options;
   options.certify_at = Eigen::Vector4d(0.0, 1e-9, 1e-3, 1.0);
-  const HomotopySummary summary = Solve(problem, options);
+  const HomotopySummary summary = SolveByHomotopy(problem, options);
   EXPECT_EQ(summary.termination, HomotopyTermination::kReachedLambdaMin);
   EXPECT_LE(summary.MaxRelativeGap(), 1e-9);
   for (const double lambda : {0.0, 1e-9, 1.0}) {
@@ -234,7 +234,8 @@ TEST(HomotopyTest, EndsInLeastSquares) {
   const Eigen::VectorXd expected =
       problem.gram->ldlt().solve(problem.objective.correlation);
   // cond(G) is about 20.
-  EXPECT_TRUE(Solve(problem).path.Coefficients(0.0).isApprox(expected, 1e-12));
+  EXPECT_TRUE(SolveByHomotopy(problem).path.Coefficients(0.0).isApprox(expected,
+                                                                       1e-12));
 }
 
 // Where least squares has many solutions, the end has the least Σ|β|: of twins
@@ -255,7 +256,7 @@ TEST(HomotopyTest, EndsInTheLeastNormOfItsKind) {
 TEST(HomotopyTest, ThePathIsContinuous) {
   for (const ExplicitLasso& problem :
        {WellConditioned(40, 100, 16), Lagged(40, 500, 0.03, 17)}) {
-    const LassoPath path = Solve(problem).path;
+    const LassoPath path = SolveByHomotopy(problem).path;
     for (std::size_t i = 1; i < path.segments().size(); ++i) {
       const auto& before = path.segments()[i - 1];
       const auto& after = path.segments()[i];
@@ -275,10 +276,10 @@ TEST(HomotopyTest, ThePathIsContinuous) {
 
 TEST(HomotopyTest, TheResponsesUnitScalesThePath) {
   const ExplicitLasso problem = Lagged(20, 300, 0.03, 18);
-  const LassoPath path = Solve(problem).path;
+  const LassoPath path = SolveByHomotopy(problem).path;
   for (const double unit : {0.25, 1024.0, 1e-9, 1e9}) {
     const ExplicitLasso scaled(problem.X, unit * problem.e);
-    const LassoPath other = Solve(scaled).path;
+    const LassoPath other = SolveByHomotopy(scaled).path;
     const bool exact = unit == 0.25 || unit == 1024.0;
     for (const double part : {0.5, 1e-2, 1e-4}) {
       const double lambda = part * path.lambda_begin();
@@ -295,11 +296,11 @@ TEST(HomotopyTest, TheResponsesUnitScalesThePath) {
 // A weight's unit is λ's.
 TEST(HomotopyTest, TheWeightsUnitScalesLambda) {
   const ExplicitLasso problem = Lagged(20, 300, 0.03, 19);
-  const LassoPath path = Solve(problem).path;
+  const LassoPath path = SolveByHomotopy(problem).path;
   for (const double unit : {std::pow(2.0, -40), std::pow(2.0, 40)}) {
     const ExplicitLasso scaled(problem.X, problem.e,
                                Eigen::VectorXd::Constant(40, unit));
-    const HomotopySummary summary = Solve(scaled);
+    const HomotopySummary summary = SolveByHomotopy(scaled);
     EXPECT_EQ(summary.termination, HomotopyTermination::kReachedLambdaMin);
     for (const double part : {0.5, 1e-2, 1e-4, 1e-6}) {
       const double lambda = part * path.lambda_begin();
@@ -316,8 +317,8 @@ TEST(HomotopyTest, TheOrderOfTheColumnsDoesNotMatter) {
   std::mt19937_64 random(21);
   std::shuffle(order.begin(), order.end(), random);
   const ExplicitLasso permuted(problem.X(order, Eigen::all), problem.e);
-  const LassoPath path = Solve(problem).path;
-  const LassoPath other = Solve(permuted).path;
+  const LassoPath path = SolveByHomotopy(problem).path;
+  const LassoPath other = SolveByHomotopy(permuted).path;
   for (const double part : {0.5, 1e-2, 1e-4, 0.0}) {
     const double lambda = part * path.lambda_begin();
     const Eigen::VectorXd expected = path.Coefficients(lambda)(order);
@@ -327,10 +328,10 @@ TEST(HomotopyTest, TheOrderOfTheColumnsDoesNotMatter) {
 
 TEST(HomotopyTest, StopsAtLambdaMin) {
   const ExplicitLasso problem = WellConditioned(20, 60, 22);
-  const LassoPath whole = Solve(problem).path;
+  const LassoPath whole = SolveByHomotopy(problem).path;
   HomotopyOptions options;
   options.lambda_min = 0.1 * whole.lambda_begin();
-  const HomotopySummary summary = Solve(problem, options);
+  const HomotopySummary summary = SolveByHomotopy(problem, options);
   EXPECT_EQ(summary.termination, HomotopyTermination::kReachedLambdaMin);
   EXPECT_DOUBLE_EQ(summary.path.lambda_end(), options.lambda_min);
   EXPECT_LT(summary.path.segments().size(), whole.segments().size());
@@ -340,16 +341,16 @@ TEST(HomotopyTest, StopsAtLambdaMin) {
         whole.Coefficients(lambda), 1e-14));
   }
   options.lambda_min = 2.0 * whole.lambda_begin();
-  EXPECT_TRUE(Solve(problem, options).path.segments().empty());
+  EXPECT_TRUE(SolveByHomotopy(problem, options).path.segments().empty());
 }
 
 TEST(HomotopyTest, CertifiesThePlaceWhereItStops) {
   const ExplicitLasso problem = WellConditioned(20, 60, 23);
   HomotopyOptions options;
   options.max_active = 5;
-  const double end = Solve(problem, options).path.lambda_end();
+  const double end = SolveByHomotopy(problem, options).path.lambda_end();
   options.certify_at = Eigen::VectorXd{{0.5 * end, end, end, 1.5 * end}};
-  const HomotopySummary summary = Solve(problem, options);
+  const HomotopySummary summary = SolveByHomotopy(problem, options);
   EXPECT_EQ(summary.path.lambda_end(), end);
   EXPECT_EQ(summary.relative_gap(0), std::numeric_limits<double>::infinity());
   EXPECT_LE(summary.relative_gap.tail(3).maxCoeff(), 1e-12);
@@ -357,12 +358,12 @@ TEST(HomotopyTest, CertifiesThePlaceWhereItStops) {
 
 TEST(HomotopyTest, StopsBeforeMoreAreActiveThanAllowed) {
   const ExplicitLasso problem = WellConditioned(20, 60, 23);
-  const LassoPath whole = Solve(problem).path;
+  const LassoPath whole = SolveByHomotopy(problem).path;
   HomotopyOptions options;
   options.max_active = 5;
   options.certify_at =
       LambdaGrid(whole.lambda_begin(), 1e-3, 50, /*with_zero=*/true);
-  const HomotopySummary summary = Solve(problem, options);
+  const HomotopySummary summary = SolveByHomotopy(problem, options);
   EXPECT_EQ(summary.termination, HomotopyTermination::kReachedMaxActive);
   EXPECT_EQ(summary.max_active, 5);
   EXPECT_GT(summary.path.lambda_end(), 0.0);
@@ -385,7 +386,7 @@ TEST(HomotopyTest, CertificatesEqualDirectGaps) {
     HomotopyOptions options;
     options.certify_at = LambdaGrid(2.0 * problem.objective.LambdaMax(), 1e-7,
                                     300, /*with_zero=*/true);
-    const HomotopySummary summary = Solve(problem, options);
+    const HomotopySummary summary = SolveByHomotopy(problem, options);
     for (Eigen::Index i = 0; i < options.certify_at.size(); ++i) {
       const double lambda = options.certify_at(i);
       const Eigen::VectorXd beta = summary.path.Coefficients(lambda);
@@ -403,7 +404,7 @@ TEST(HomotopyTest, CertificatesEqualDirectGaps) {
 TEST(HomotopyTest, AgreesWithCoordinateDescent) {
   for (const ExplicitLasso& problem :
        {WellConditioned(30, 100, 27), WellConditioned(30, 60, 28)}) {
-    const LassoPath path = Solve(problem).path;
+    const LassoPath path = SolveByHomotopy(problem).path;
     for (const double part : {0.8, 0.3, 0.05, 1e-3}) {
       const double lambda = part * path.lambda_begin();
       // With a gap of 1e-22 the coefficients are right to √(2·1e-22 / least

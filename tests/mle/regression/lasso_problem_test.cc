@@ -48,7 +48,7 @@ Record RandomRecord(int samples) {
 
 // Some hundred roundings of numbers of the size of the largest moment, 10 times
 // the variance here.
-constexpr double kTolerance = 1e-12;
+constexpr double kMomentTolerance = 1e-12;
 
 TEST(MakeLassoProblemTest, StandardisesAsTheDenseMatrixWouldBe) {
   const Window window(RandomRecord(200), 3, {3, 199});
@@ -66,19 +66,21 @@ TEST(MakeLassoProblemTest, StandardisesAsTheDenseMatrixWouldBe) {
 
   EXPECT_EQ(problem.rows, 197);
   EXPECT_THAT(problem.constant_regressors, IsEmpty());
-  EXPECT_TRUE(problem.regressor_mean.isApprox(mean, kTolerance));
-  EXPECT_TRUE(problem.scale.isApprox(scale, kTolerance));
-  EXPECT_TRUE(problem.gram.isApprox(Z * Z.transpose() / rows, kTolerance));
+  EXPECT_TRUE(problem.regressor_mean.isApprox(mean, kMomentTolerance));
+  EXPECT_TRUE(problem.scale.isApprox(scale, kMomentTolerance));
   EXPECT_TRUE(
-      problem.correlation.isApprox(Z * f.transpose() / rows, kTolerance));
+      problem.gram.isApprox(Z * Z.transpose() / rows, kMomentTolerance));
+  EXPECT_TRUE(
+      problem.correlation.isApprox(Z * f.transpose() / rows, kMomentTolerance));
   EXPECT_TRUE(problem.response_square.isApprox(f.rowwise().squaredNorm() / rows,
-                                               kTolerance));
-  EXPECT_TRUE(problem.response_mean.isApprox(e.rowwise().mean(), kTolerance));
+                                               kMomentTolerance));
+  EXPECT_TRUE(
+      problem.response_mean.isApprox(e.rowwise().mean(), kMomentTolerance));
   EXPECT_EQ(problem.gram, problem.gram.transpose());
 
   const Eigen::VectorXd beta = Eigen::VectorXd::LinSpaced(12, -1.0, 2.0);
-  EXPECT_TRUE(
-      problem.Unscale(beta).isApprox(beta.cwiseQuotient(scale), kTolerance));
+  EXPECT_TRUE(problem.Unscale(beta).isApprox(beta.cwiseQuotient(scale),
+                                             kMomentTolerance));
 }
 
 // Each group about its own means, and divided by the spread about them.
@@ -107,12 +109,13 @@ TEST(MakeLassoProblemTest, CentresEachGroupByItself) {
   }
   const Eigen::VectorXd scale = (Z.rowwise().squaredNorm() / 197.0).cwiseSqrt();
   Z = scale.asDiagonal().inverse() * Z;
-  EXPECT_TRUE(problem.scale.isApprox(scale, kTolerance));
-  EXPECT_TRUE(problem.gram.isApprox(Z * Z.transpose() / 197.0, kTolerance));
+  EXPECT_TRUE(problem.scale.isApprox(scale, kMomentTolerance));
   EXPECT_TRUE(
-      problem.correlation.isApprox(Z * f.transpose() / 197.0, kTolerance));
+      problem.gram.isApprox(Z * Z.transpose() / 197.0, kMomentTolerance));
+  EXPECT_TRUE(problem.correlation.isApprox(Z * f.transpose() / 197.0,
+                                           kMomentTolerance));
   EXPECT_TRUE(problem.response_square.isApprox(
-      f.rowwise().squaredNorm() / 197.0, kTolerance));
+      f.rowwise().squaredNorm() / 197.0, kMomentTolerance));
   EXPECT_TRUE(problem.regressor_mean.col(1).isZero(0.0));
   EXPECT_EQ(problem.gram, problem.gram.transpose());
 }
@@ -122,11 +125,12 @@ TEST(MakeLassoProblemTest, RawLeavesEverythingAsItIs) {
   const LassoProblem problem = window.Problem(Scaling::kRaw);
   const Eigen::MatrixXd X = window.series.Regressors(window.rows.rows);
   const Eigen::MatrixXd& e = window.rows.responses;
-  EXPECT_TRUE(problem.gram.isApprox(X * X.transpose() / 197.0, kTolerance));
   EXPECT_TRUE(
-      problem.correlation.isApprox(X * e.transpose() / 197.0, kTolerance));
+      problem.gram.isApprox(X * X.transpose() / 197.0, kMomentTolerance));
+  EXPECT_TRUE(problem.correlation.isApprox(X * e.transpose() / 197.0,
+                                           kMomentTolerance));
   EXPECT_TRUE(problem.response_square.isApprox(
-      e.rowwise().squaredNorm() / 197.0, kTolerance));
+      e.rowwise().squaredNorm() / 197.0, kMomentTolerance));
   EXPECT_EQ(problem.regressor_mean, Eigen::VectorXd::Zero(12));
   EXPECT_EQ(problem.response_mean, Eigen::VectorXd::Zero(2));
   EXPECT_EQ(problem.scale, Eigen::VectorXd::Ones(12));

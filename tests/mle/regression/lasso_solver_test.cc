@@ -17,8 +17,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-LassoSolution Solve(const ExplicitLasso& problem,
-                    const Eigen::VectorXd& lambdas, LassoSolver solver) {
+LassoSolution SolveAsAsked(const ExplicitLasso& problem,
+                           const Eigen::VectorXd& lambdas, LassoSolver solver) {
   LassoSolverOptions options;
   options.solver = solver;
   const auto solution = SolveLasso(problem.objective, lambdas, options);
@@ -52,9 +52,10 @@ TEST(LassoSolverTest, BothSolversAgree) {
     // Above λ_max and down to 0.
     const Eigen::VectorXd lambdas = LambdaGrid(
         3.0 * problem.objective.LambdaMax(), 1e-4, 30, /*with_zero=*/true);
-    const LassoSolution exact = Solve(problem, lambdas, LassoSolver::kHomotopy);
+    const LassoSolution exact =
+        SolveAsAsked(problem, lambdas, LassoSolver::kHomotopy);
     const LassoSolution descent =
-        Solve(problem, lambdas, LassoSolver::kCoordinateDescent);
+        SolveAsAsked(problem, lambdas, LassoSolver::kCoordinateDescent);
     EXPECT_LE(exact.MaxRelativeGap(), 1e-11);
     EXPECT_LE(descent.MaxRelativeGap(), 1e-9);
     EXPECT_THAT(exact.report, HasSubstr("homotopy: complete"));
@@ -86,7 +87,7 @@ TEST(LassoSolverTest, CertifiesTheCoefficientsAsRounded) {
     const Eigen::VectorXd lambdas =
         LambdaGrid(problem.objective.LambdaMax(), 1e-8, 9, /*with_zero=*/false);
     const LassoSolution solution =
-        Solve(problem, lambdas, LassoSolver::kHomotopy);
+        SolveAsAsked(problem, lambdas, LassoSolver::kHomotopy);
     ExpectCertified(problem, solution);
     for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
       const Eigen::VectorXd beta = solution.path.Coefficients(lambdas(i));
@@ -94,7 +95,7 @@ TEST(LassoSolverTest, CertifiesTheCoefficientsAsRounded) {
           GapTolerance(problem.objective, lambdas(i), beta);
       EXPECT_LE(solution.relative_gap(i), tolerance);
       const LassoSolution alone =
-          Solve(problem, lambdas.segment(i, 1), LassoSolver::kHomotopy);
+          SolveAsAsked(problem, lambdas.segment(i, 1), LassoSolver::kHomotopy);
       ExpectCertified(problem, alone);
       EXPECT_LE(alone.relative_gap(0), tolerance);
     }
@@ -108,9 +109,9 @@ TEST(LassoSolverTest, CoordinateDescentGivesAContinuousPath) {
   const ExplicitLasso problem(RandomMatrix(10, 40, random),
                               RandomVector(40, random));
   const double lambda_max = problem.objective.LambdaMax();
-  const LassoSolution solution =
-      Solve(problem, LambdaGrid(0.5 * lambda_max, 1e-2, 8, /*with_zero=*/true),
-            LassoSolver::kCoordinateDescent);
+  const LassoSolution solution = SolveAsAsked(
+      problem, LambdaGrid(0.5 * lambda_max, 1e-2, 8, /*with_zero=*/true),
+      LassoSolver::kCoordinateDescent);
   const LassoPath& path = solution.path;
   EXPECT_EQ(path.lambda_begin(), lambda_max);
   EXPECT_EQ(path.lambda_end(), 0.0);
@@ -135,9 +136,9 @@ TEST(LassoSolverTest, EveryLambdaIsSolvedOnDegenerateProblems) {
     const ExplicitLasso problem = generator.Next();
     const double lambda_max = problem.objective.LambdaMax();
     if (lambda_max == 0.0) continue;
-    const LassoSolution solution =
-        Solve(problem, LambdaGrid(lambda_max, 1e-3, 6, /*with_zero=*/true),
-              LassoSolver::kHomotopy);
+    const LassoSolution solution = SolveAsAsked(
+        problem, LambdaGrid(lambda_max, 1e-3, 6, /*with_zero=*/true),
+        LassoSolver::kHomotopy);
     for (Eigen::Index i = 1; i < solution.lambdas.size(); ++i) {
       const double lambda = solution.lambdas(i);
       EXPECT_LE(solution.relative_gap(i),
@@ -179,7 +180,7 @@ TEST(LassoSolverTest, OneLambdaIsEnough) {
         Eigen::VectorXd::Constant(1, part * problem.objective.LambdaMax());
     for (const LassoSolver solver :
          {LassoSolver::kHomotopy, LassoSolver::kCoordinateDescent}) {
-      const LassoSolution solution = Solve(problem, lambda, solver);
+      const LassoSolution solution = SolveAsAsked(problem, lambda, solver);
       ASSERT_EQ(solution.relative_gap.size(), 1);
       EXPECT_LE(solution.MaxRelativeGap(), 1e-9);
       ExpectCertified(problem, solution);

@@ -1,0 +1,24 @@
+// Decompositions of large matrices that tests compare with, in a library that
+// is optimised, as tests are not.
+
+#ifndef TESTS_MLE_BASE_OPTIMISED_ALGEBRA_H_
+#define TESTS_MLE_BASE_OPTIMISED_ALGEBRA_H_
+
+#include "Eigen/Core"
+
+namespace mle {
+
+Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& A);
+
+// A⁻¹ B.
+Eigen::MatrixXcd Solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
+
+// Descending.
+Eigen::VectorXd SingularValues(const Eigen::MatrixXd& A);
+
+// Σ_l h(l) e^{−jωl} of each column of h.
+Eigen::VectorXcd FourierSums(const Eigen::MatrixXd& h, double omega);
+
+}  // namespace mle
+
+#endif  // TESTS_MLE_BASE_OPTIMISED_ALGEBRA_H_
