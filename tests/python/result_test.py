@@ -137,7 +137,7 @@ def test_other_threads_run_meanwhile(loop):
 
     thread = threading.Thread(target=count)
     thread.start()
-    mle.correct(model, record, estimator="arx", conversion_samples=1_000_000)
+    mle.correct(model, record, estimator="arx", conversion_samples=200_000)
     stop.set()
     thread.join()
     assert counts[0] > 0
@@ -155,7 +155,7 @@ def progress(stage, fraction):
         threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
     told.append(stage)
 try:
-    mle.correct(model, record, progress=progress, conversion_samples=10000000, estimator="arx")
+    mle.correct(model, record, progress=progress, conversion_samples=3_000_000, estimator="arx")
     print("not interrupted")
 except KeyboardInterrupt:
     print("interrupted")

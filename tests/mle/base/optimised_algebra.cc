@@ -12,8 +12,15 @@ Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& A) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(A, false).eigenvalues();
 }
 
-Eigen::MatrixXcd Solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B) {
-  return A.partialPivLu().solve(B);
+Eigen::MatrixXcd FrequencyResponse(const Eigen::MatrixXd& A,
+                                   const Eigen::MatrixXd& B,
+                                   const Eigen::MatrixXd& C,
+                                   const Eigen::MatrixXd& D, double omega) {
+  Eigen::MatrixXcd inner = -A.cast<std::complex<double>>();
+  inner.diagonal().array() += std::polar(1.0, omega);
+  const Eigen::MatrixXcd inputs = B.cast<std::complex<double>>();
+  return C.cast<std::complex<double>>() * inner.partialPivLu().solve(inputs) +
+         D.cast<std::complex<double>>();
 }
 
 Eigen::VectorXd SingularValues(const Eigen::MatrixXd& A) {

@@ -10,8 +10,11 @@ namespace mle {
 
 Eigen::VectorXcd Eigenvalues(const Eigen::MatrixXd& A);
 
-// A⁻¹ B.
-Eigen::MatrixXcd Solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
+// C (e^{jω} I − A)⁻¹ B + D.
+Eigen::MatrixXcd FrequencyResponse(const Eigen::MatrixXd& A,
+                                   const Eigen::MatrixXd& B,
+                                   const Eigen::MatrixXd& C,
+                                   const Eigen::MatrixXd& D, double omega);
 
 // Descending.
 Eigen::VectorXd SingularValues(const Eigen::MatrixXd& A);

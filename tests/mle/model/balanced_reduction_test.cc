@@ -103,14 +103,8 @@ Eigen::MatrixXd Sizes(const ProcessModel& model, double sample_time,
 
 // C (zI − A)⁻¹ B + D with the dead times.
 Eigen::MatrixXcd Transfer(const DiscreteStateSpace& system, double omega) {
-  const std::complex<double> z = std::polar(1.0, omega);
-  const Eigen::MatrixXcd inner =
-      z * Eigen::MatrixXcd::Identity(system.order(), system.order()) -
-      system.A.cast<std::complex<double>>();
   Eigen::MatrixXcd transfer =
-      system.C.cast<std::complex<double>>() *
-          Solve(inner, system.B.cast<std::complex<double>>()) +
-      system.D.cast<std::complex<double>>();
+      FrequencyResponse(system.A, system.B, system.C, system.D, omega);
   for (int i = 0; i < system.num_outputs(); ++i) {
     for (int j = 0; j < system.num_inputs(); ++j) {
       transfer(i, j) *= std::polar(
