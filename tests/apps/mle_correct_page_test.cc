@@ -19,28 +19,39 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A run in which a gain has halved, with all that it writes.
+// A run in which a gain has halved, with all that it writes: one for all tests,
+// which leave it as it is.
 class MleCorrectPage : public ::testing::Test {
- protected:
-  MleCorrectPage() {
-    Heater aged;
-    aged.first.gain = 1.0;
-    const std::string model =
-        scratch_.Write("model.json", HeaterJson(Heater()));
-    const std::string plant = scratch_.Write("plant.json", HeaterJson(aged));
-    const std::string data =
-        SimulateHeater(scratch_, "run.csv", model, plant,
-                       {"--lost_probability=0.02", "--seed=3"});
-    out_ = scratch_ / "out";
-    result_ = Correct(CorrectionFlags(model, data, out_,
-                                      {"--figures=true", "--truth=" + plant}),
-                      out_);
-    html_ = Content(out_ + "/report.html");
+ private:
+  struct Run {
+    Run() {
+      const std::string model =
+          scratch.Write("model.json", HeaterJson(Heater()));
+      const std::string plant =
+          scratch.Write("plant.json", HeaterJson(WithHalvedGain()));
+      const std::string data =
+          SimulateHeater(scratch, "run.csv", model, plant,
+                         {"--lost_probability=0.02", "--seed=3"});
+      result = Correct(CorrectionFlags(model, data, out,
+                                       {"--figures=true", "--truth=" + plant}),
+                       out);
+      html = Content(out + "/report.html");
+    }
+    const ScratchFolder scratch;
+    const std::string out = scratch / "out";
+    std::string html;
+    nlohmann::json result;
+  };
+  static const Run& TheRun() {
+    static const Run run;
+    return run;
   }
 
-  const ScratchFolder scratch_;
-  std::string out_, html_;
-  nlohmann::json result_;
+ protected:
+  const ScratchFolder& scratch_ = TheRun().scratch;
+  const std::string& out_ = TheRun().out;
+  const std::string& html_ = TheRun().html;
+  const nlohmann::json& result_ = TheRun().result;
 };
 
 void ExpectInterval(const std::string& cell, const nlohmann::json& estimate) {
@@ -151,10 +162,11 @@ TEST_F(MleCorrectPage, TheLoopFollowsSetPointsBetterOnThePlantAsCorrected) {
 }
 
 TEST_F(MleCorrectPage, SaysWhyLoopsAreNotCompared) {
-  Correct(CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", out_,
+  const std::string out = scratch_ / "not_compared";
+  Correct(CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", out,
                           {"--control_period=1e6"}),
-          out_);
-  EXPECT_THAT(Content(out_ + "/report.html"),
+          out);
+  EXPECT_THAT(Content(out + "/report.html"),
               HasSubstr("cannot be compared: a comparison of loops of this "
                         "control period takes too many samples."));
 }
@@ -218,9 +230,11 @@ TEST_F(MleCorrectPage, EveryFigureIsAFileToo) {
   }
   EXPECT_THAT(Content(out_ + "/mismatch_map.svg"), HasSubstr("gain × 0."));
   // Those of another run do not stay beside a page without figures.
-  Correct(CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", out_),
-          out_);
-  for (const auto& file : std::filesystem::directory_iterator(out_)) {
+  const std::string again = scratch_ / "again";
+  std::filesystem::copy(out_, again);
+  Correct(CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", again),
+          again);
+  for (const auto& file : std::filesystem::directory_iterator(again)) {
     const std::string extension = file.path().extension().string();
     EXPECT_TRUE(extension != ".svg" && extension != ".png" &&
                 extension != ".pdf")
