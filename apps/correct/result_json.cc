@@ -251,6 +251,9 @@ Json JudgesJson(const Result& result) {
       continue;
     }
     row["instruments"] = output.by_set_points ? "set_points" : "inputs";
+    if (output.no_feedback.has_value()) {
+      row["no_feedback"] = *output.no_feedback;
+    }
     row["moves"] = output.moves;
     row["before"] = output.before();
     row["left"] = output.left();

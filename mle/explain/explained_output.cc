@@ -428,6 +428,14 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
   return RowMeans(lost);
 }
 
+VectorXd ExplainedOutput::InputRows(int input) const {
+  std::vector<VectorXd> signal;
+  for (const Eigen::MatrixXd& inputs : filled_) {
+    signal.push_back(inputs.row(input).transpose());
+  }
+  return RowMeans(signal);
+}
+
 VectorXd ExplainedOutput::RowMeans(const std::vector<VectorXd>& signal) const {
   VectorXd means(static_cast<Index>(rows_.size()));
   for (std::size_t i = 0; i < rows_.size(); ++i) {

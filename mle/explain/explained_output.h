@@ -76,6 +76,8 @@ class ExplainedOutput {
   ElementValues Aged(int input,
                      const std::vector<Explanation>& explanations) const;
 
+  // An input as means of the rows.
+  Eigen::VectorXd InputRows(int input) const;
   // A signal of all samples as means of the rows.
   Eigen::VectorXd RowMeans(const std::vector<Eigen::VectorXd>& signal) const;
 

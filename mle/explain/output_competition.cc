@@ -10,6 +10,7 @@
 #include "Eigen/QR"
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"
+#include "mle/explain/feedback.h"
 
 namespace mle {
 namespace {
@@ -75,6 +76,8 @@ absl::StatusOr<OutputCompetition> OutputCompetition::Create(
   OutputCompetition competition(std::move(explained), std::move(instruments),
                                 options);
   if (!competition.instruments_.by_set_points()) {
+    competition.no_feedback_ = ProbabilityOfNoFeedback(
+        competition.output_, competition.instruments_.undriven());
     competition.options_.evidence *= kWithoutSetPoints;
   }
   competition.all_ =

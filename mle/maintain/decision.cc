@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/double_limits.h"
+#include "mle/explain/competition.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -170,6 +171,30 @@ Message ByInstruments(const OutputEvidence& output) {
                             output.instruments->other));
 }
 
+Message NotConfirmed(const OutputEvidence& output) {
+  const InstrumentEvidence& judge = *output.instruments;
+  std::string text;
+  if (judge.by_set_points || !judge.no_feedback.has_value()) {
+    text = absl::StrCat(
+        "but what ", judge.by_set_points ? "set points" : "moves of the inputs",
+        " drive of it does not confirm it: a disturbance that the controller "
+        "answers looks like this. More set-point changes would settle it.");
+  } else if (*judge.no_feedback < kFeedback) {
+    text = absl::StrFormat(
+        "but no set point changes, and the inputs answer %s (p = %.2g for "
+        "inputs that do not): what a controller answers looks like this. "
+        "Records with set points that change would settle it.",
+        output.name, *judge.no_feedback);
+  } else {
+    text =
+        "but what moves of the inputs drive of it, and data held out, do not "
+        "confirm it. More moves of the inputs would settle it.";
+  }
+  return Doubt(
+      output, MessageCode::kNotConfirmed,
+      absl::StrCat("A change of ", output.name, " is proposed, ", text));
+}
+
 OutputVerdict NotTaken(Message reason) {
   return {Acceptance::kNothing, std::move(reason)};
 }
@@ -221,13 +246,7 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
                   judge.by_set_points ? "set-point changes" : "their moves")));
   }
   if (output.proposed && !judge.refutes_proposal) {
-    return NotTaken(Doubt(
-        output, MessageCode::kNotConfirmed,
-        absl::StrCat("A change of ", output.name, " is proposed, but what ",
-                     judge.by_set_points ? "set points" : "moves of the inputs",
-                     " drive of it does not confirm it: a disturbance that the "
-                     "controller answers looks like this. More set-point "
-                     "changes would settle it.")));
+    return NotTaken(NotConfirmed(output));
   }
   return {};
 }
@@ -255,14 +274,29 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
   return {Acceptance::kProposal, Better(output, deviations)};
 }
 
-// Something is proposed that would have shown in what set points drive.
-bool AnyRefuted(const Evidence& evidence) {
-  return std::any_of(evidence.outputs.begin(), evidence.outputs.end(),
-                     [](const OutputEvidence& output) {
-                       return output.proposed &&
-                              output.instruments.has_value() &&
-                              output.instruments->refutes_proposal;
-                     });
+// The judge of an output by which something that is proposed would have shown
+// in what set points drive, or of any output.
+const InstrumentEvidence* JudgeOf(const Evidence& evidence, bool refutes) {
+  for (const OutputEvidence& output : evidence.outputs) {
+    if (!output.instruments.has_value()) continue;
+    if (!refutes || (output.proposed && output.instruments->refutes_proposal)) {
+      return &*output.instruments;
+    }
+  }
+  return nullptr;
+}
+
+Message Agrees(const InstrumentEvidence& judge, const std::string& p,
+               const std::string& detectable) {
+  return {
+      MessageCode::kSetPointsAgree,
+      "",
+      absl::StrCat("The records differ from the model (", p, "), but what ",
+                   judge.by_set_points ? "set points" : "moves of the inputs",
+                   " drive agrees with it: the difference is no more than "
+                   "disturbances make by chance.",
+                   detectable.empty() ? "" : " ", detectable),
+      {}};
 }
 
 absl::Status CheckField(const char* field, double value, double low,
@@ -311,6 +345,7 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
     return verdict;
   }
   constexpr double kLeastShown = 1e-300;  // near the least of all doubles
+  constexpr double kDiffer = 1e-6;        // records as a whole, and the model
   const std::string p =
       evidence.p_value < kLeastShown
           ? "p < 1e-300 for no change"
@@ -337,16 +372,9 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
          {}});
   } else if (!evidence.doubts.empty()) {
     verdict.decision = Decision::kCannotTell;
-  } else if (AnyRefuted(evidence)) {
-    verdict.reasons.push_back(
-        {MessageCode::kSetPointsAgree,
-         "",
-         absl::StrCat("The records differ from the model (", p,
-                      "), but what set points drive agrees with it: the "
-                      "difference is no more than disturbances make by chance.",
-                      evidence.detectable.empty() ? "" : " ",
-                      evidence.detectable),
-         {}});
+  } else if (const InstrumentEvidence* const refuting =
+                 JudgeOf(evidence, true)) {
+    verdict.reasons.push_back(Agrees(*refuting, p, evidence.detectable));
   } else if (evidence.change_proved) {
     verdict.reasons.push_back(
         {MessageCode::kChangeTooSmall,
@@ -359,6 +387,9 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
     verdict.decision = Decision::kCannotTell;
     verdict.reasons.push_back(
         {MessageCode::kNotExcited, "", evidence.uninformed, {}});
+  } else if (const InstrumentEvidence* const any = JudgeOf(evidence, false);
+             any != nullptr && evidence.p_value < kDiffer) {
+    verdict.reasons.push_back(Agrees(*any, p, evidence.detectable));
   } else {
     verdict.reasons.push_back(
         {MessageCode::kNoChangeFound,

@@ -86,6 +86,8 @@ enum class Acceptance {
 struct InstrumentEvidence {
   // If not, inputs stand for set points, which do not move.
   bool by_set_points = true;
+  // Where inputs do: the probability that they do not answer the output.
+  std::optional<double> no_feedback = std::nullopt;
   // Gains, time constants or dead times won.
   bool ageing = false;
   // Whole sentences on what else won, and on what would win as well; or empty.

@@ -350,6 +350,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     return std::nullopt;
   InstrumentEvidence evidence;
   evidence.by_set_points = output.by_set_points;
+  evidence.no_feedback = output.no_feedback;
   const std::vector<bool> aged = AgedInputs(candidates, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
   evidence.other = Others(candidates, i);
@@ -397,7 +398,9 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     // Small changes are not taken on little evidence, nor doubted for it.
     const bool is_small = LargestChange(candidates, i) < kSmall;
     const double most = candidates.options.explain.evidence;
+    // Without feedback what is held out is judge enough.
     const bool explains =
+        output.open_loop() ||
         evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
     const bool better =
         contested.empty() && evidence_from(output.remaining) > most;
@@ -410,11 +413,15 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
            NumProposed(candidates, i) < output.taken.size() || same ||
            !evidence.tie.empty() || !evidence.predicts_better)) ||
          output.taken.empty());
+    // Inputs that answer disturbances refute nothing; where none does, hold-out
+    // judges.
     evidence.refutes_proposal =
-        (is_small && output.left() < kMuchLeft) ||
-        energies.difference > output.required * output.unit ||
-        output.EvidenceOf(energy - output.remaining, output.unit) >
-            kLeastEvidence;
+        !output.answered() &&
+        ((!output.open_loop() &&
+          ((is_small && output.left() < kMuchLeft) ||
+           energies.difference > output.required * output.unit)) ||
+         output.EvidenceOf(energy - output.remaining, output.unit) >
+             kLeastEvidence);
   }
   return evidence;
 }

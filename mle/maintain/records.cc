@@ -194,30 +194,33 @@ void WarnOfUnrest(const ProcessModel& model, RecordData& data) {
   }
 }
 
-// Whether an input moves at most samples, as a controller moves it, or an
-// experiment.
-bool InputsAlwaysMove(const std::vector<Record>& records) {
-  constexpr double kMost = 0.5;
-  double moves = 0.0;
-  double pairs = 0.0;
+bool AnyMoves(const std::vector<Record>& records,
+              Eigen::MatrixXd Record::*signals) {
   for (const Record& record : records) {
-    for (int k = 1; k < record.samples(); ++k) {
-      pairs += 1.0;
-      moves += record.inputs.col(k) != record.inputs.col(k - 1) ? 1.0 : 0.0;
+    const Eigen::MatrixXd& values = record.*signals;
+    for (Eigen::Index k = 1; k < values.cols(); ++k) {
+      const auto moves = values.col(k) - values.col(k - 1);
+      if ((moves.array().abs() > 0.0).any()) return true;
     }
   }
-  return moves > kMost * pairs;
+  return false;
 }
 
-absl::Status NoWindows(const RecordData& data) {
-  std::vector<std::string> files;
-  std::vector<std::string> likely;  // set points among what was ignored
+// Columns that are ignored and look like set points.
+std::vector<std::string> LikelySetPoints(const RecordData& data) {
+  std::vector<std::string> likely;
   for (const FileReport& file : data.report.files) {
-    files.push_back(file.name);
     for (const std::string& column : file.ignored_columns) {
       if (IsSetPointTag(column)) likely.push_back(column);
     }
   }
+  return likely;
+}
+
+absl::Status NoWindows(const RecordData& data) {
+  std::vector<std::string> files;
+  for (const FileReport& file : data.report.files) files.push_back(file.name);
+  const std::vector<std::string> likely = LikelySetPoints(data);
   std::vector<std::string> warnings;
   for (const auto* messages : {&data.obstacles, &data.warnings}) {
     for (const Message& message : *messages) warnings.push_back(message.text);
@@ -227,11 +230,10 @@ absl::Status NoWindows(const RecordData& data) {
       absl::StrCat(
           "there is nothing to learn from in ",
           files.empty() ? "the records" : absl::StrJoin(files, ", "),
-          InputsAlwaysMove(data.records)
-              ? ": no set point changes, and inputs that move all the time may "
-                "answer disturbances"
-              : ": no set point changes, nor do inputs move that rest "
-                "otherwise",
+          AnyMoves(data.records, &Record::inputs)
+              ? ": no set point changes, and inputs that move may answer "
+                "disturbances"
+              : ": no set point changes, nor does any input move",
           ". Set points (columns <output>_setpoint) must change, or "
           "change_times must name the times (of an experiment, any in it)",
           likely.empty()
@@ -295,10 +297,22 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
   }
   MakeInputsWhole(model, data);
   MLE_RETURN_IF_ERROR(LeaveOutWindows(model, options.leave_out, data));
+  if (data.windows.empty() && !data.obstacles.empty()) TakeWholeRecords(data);
+  if (data.windows.empty() && options.windows.change_times.empty() &&
+      LikelySetPoints(data).empty() &&
+      !AnyMoves(data.records, &Record::set_points) &&
+      AnyMoves(data.records, &Record::inputs)) {
+    TakeWholeRecords(data);
+    data.warnings.push_back(
+        {MessageCode::kWindows,
+         "",
+         "no set point changes: the whole records are used, and moves of "
+         "inputs stand for those of set points",
+         {}});
+  }
+  if (data.windows.empty()) return NoWindows(data);
   MLE_RETURN_IF_ERROR(
       KeepInformativeWindows(model, options.most_samples, data));
-  if (data.windows.empty() && !data.obstacles.empty()) TakeWholeRecords(data);
-  if (data.windows.empty()) return NoWindows(data);
   WarnOfUnrest(model, data);
   return absl::OkStatus();
 }

@@ -16,7 +16,7 @@ BEGIN {
   nonlinear = regression " mle/nonlinear"
   exchange = nonlinear " mle/exchange"
   correction = exchange " mle/correction"
-  explain = data " mle/explain"
+  explain = nonlinear " mle/explain"
   all_of_mle = correction " mle/database mle/explain mle/maintain"
 
   allowed["mle/base"] = base

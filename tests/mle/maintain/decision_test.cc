@@ -199,6 +199,11 @@ TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
        Acceptance::kNothing,
        Decision::kCannotTell,
        MessageCode::kNotConfirmed},
+      {"not confirmed, and the inputs answer",
+       {.by_set_points = false, .no_feedback = 1e-4, .left = 1.0},
+       Acceptance::kNothing,
+       Decision::kCannotTell,
+       MessageCode::kNotConfirmed},
       {"refuted",
        {.refutes_proposal = true},
        Acceptance::kNothing,
@@ -243,6 +248,16 @@ TEST(DecisionTest, EveryRowOfTheTableOfPlants) {
   EXPECT_EQ(verdict.reasons.front().code, MessageCode::kNoChangeFound);
   EXPECT_NE(verdict.reasons.front().text.find(evidence.detectable),
             std::string::npos);
+
+  // What differs and no change explains is said to differ.
+  quiet.instruments = InstrumentEvidence{.left = 1.0};
+  evidence.outputs = {quiet};
+  evidence.p_value = 1e-9;
+  EXPECT_EQ(Decide(evidence, {}).reasons.front().code,
+            MessageCode::kSetPointsAgree);
+  evidence.p_value = 0.3;
+  EXPECT_EQ(Decide(evidence, {}).reasons.front().code,
+            MessageCode::kNoChangeFound);
 
   evidence.uninformed = "The inputs do not move.";
   verdict = Decide(evidence, {});

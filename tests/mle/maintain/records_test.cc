@@ -74,5 +74,24 @@ TEST(RecordDataTest, WindowsThatAdjoinAreOneStretch) {
   EXPECT_TRUE(Adjoin(stretches.windows[0], stretches.windows[1]));
 }
 
+TEST(RecordDataTest, WithoutSetPointsThatMoveWholeRecordsAreTaken) {
+  Record record = TankRecord(Tank(1.0), 0.02, 1);
+  for (int k = 0; k < record.samples(); ++k) {
+    record.inputs(0, k) = std::sin(0.3 * k);
+  }
+  record.set_points.setConstant(2.0);
+  const RecordData data = Prepared(record);
+  ASSERT_EQ(data.windows.size(), 1u);
+  EXPECT_EQ(data.windows[0].record.samples(), record.samples());
+  ASSERT_FALSE(data.warnings.empty());
+  EXPECT_NE(data.warnings[0].text.find("stand for those of set points"),
+            std::string::npos);
+
+  record.inputs.setConstant(1.0);
+  const auto still = PrepareRecords({record}, Tank(1.0), {});
+  EXPECT_NE(still.status().message().find("nor does any input move"),
+            std::string_view::npos);
+}
+
 }  // namespace
 }  // namespace mle
