@@ -111,6 +111,12 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
       }
     }
     if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
+    // Inputs may answer what disturbs the output once, which no test of
+    // feedback sees: the likelihood has to propose the element, too.
+    if (!candidates.competition->outputs()[i].by_set_points &&
+        !ProposesElement(candidates.estimate, i, j)) {
+      aged[j] = false;
+    }
     // Nor is a change made that is not worth making.
     if (aged[j]) {
       const Eigen::VectorXd from = candidates.initial_response.element(i, j);
