@@ -81,6 +81,15 @@ def simulate(apps, trial, seed, scratch):
     return trial.reactor is None or follows(scratch / "record.csv", trial.outputs)
 
 
+def drop_set_points(record):
+    """A record as of a historian that has none."""
+    with record.open(newline="") as stream:
+        header, *rows = csv.reader(stream)
+    kept = [i for i, name in enumerate(header) if not name.endswith("_setpoint")]
+    with record.open("w", newline="") as stream:
+        csv.writer(stream).writerows([row[i] for i in kept] for row in [header, *rows])
+
+
 def correct(arguments, scratch, model, record, truth=None, flags=()):
     """The decision with its figures, as columns of a row."""
     out = scratch / "out"
@@ -148,6 +157,8 @@ def run_scenario(arguments, kind, name, plant, seed, scratch):
         return {"decision": "unstable"}
     if trial.spoil:
         mistakes.spoil(trial.spoil, trial, scratch / "model.json", scratch / "record.csv")
+    if arguments.no_set_points:
+        drop_set_points(scratch / "record.csv")
     if arguments.keep:
         keep(arguments.keep / arguments.set / name.replace(" ", "_") / kind / str(seed), scratch,
              trial)

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kRowsPerTau = 10.0;
+constexpr double kPointsPerTau = 10.0;
 constexpr int kInputLags = 6;
 constexpr int kResidualLags = 4;
 constexpr int kMostLags = std::max(kInputLags, kResidualLags);
@@ -32,7 +32,7 @@ Grid GridOf(const ExplainedOutput& output, const VectorXd& e) {
   for (const int j : output.inputs()) inputs.push_back(output.InputRows(j));
   const double row_time = output.sample_time() * output.samples_a_row();
   const auto every = static_cast<std::size_t>(std::max(
-      1.0, std::floor(output.tau() / (kRowsPerTau * row_time) + 1e-9)));
+      1.0, std::floor(output.tau() / (kPointsPerTau * row_time) + 1e-9)));
   Grid grid;
   grid.values.resize(static_cast<Index>(1 + inputs.size()),
                      static_cast<Index>(rows.size()));
