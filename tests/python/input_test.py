@@ -246,7 +246,7 @@ def test_sample_times_without_a_rate():
 
 def test_nothing_to_learn(loop, frame):
     with refused("no set point changes") as caught:
-        mle.correct(loop[0], frame.assign(level_setpoint=0.0))
+        mle.correct(loop[0], frame.assign(level_setpoint=0.0, valve=1.0))
     assert caught.value.code == "INVALID_ARGUMENT"
     assert caught.value.options == ("change_times", "tags")
 
