@@ -231,6 +231,22 @@ def a_wrong_declaration_is_refused(data, out):
     assert refused.returncode == 2 and "column: \"records\" is missing" in refused.stderr, refused
 
 
+def experiments_are_the_same_at_every_run(scratch):
+    made = []
+    for name in ("once", "again"):
+        subprocess.run([source / "benchmarks/real/experiments", f"--out={scratch / name}",
+                        "--plants=heating"], check=True)
+        made.append({file.name: file.read_bytes()
+                     for file in (scratch / name / "heating").iterdir()})
+    assert made[0] == made[1] and len(made[0]) == 3, [list(files) for files in made]
+    declared = records.declarations(scratch / "once")
+    (case,) = records.cases(scratch / "once/heating", "heating", declared["heating"])
+    assert case.record.name == "record.csv"
+    # The fitted gain is near that of the plant at its middle: a curve of 0.3 u².
+    (element,) = json.loads(case.model.read_text())["elements"]
+    assert 0.2 < abs(element["gain"]) < 4.5 and element["time_constant"] > 20.0, element
+
+
 step_responses_are_exact()
 levels_do_not_count_and_ramps_do()
 declarations_are_checked()
@@ -239,6 +255,7 @@ the_error_of_the_horizons_is_a_mean_of_ratios()
 with tempfile.TemporaryDirectory() as scratch:
     scratch = pathlib.Path(scratch)
     records_are_read(scratch)
+    experiments_are_the_same_at_every_run(scratch)
     folder = scratch / "data"
     folder.mkdir()
     make_plants(folder)
