@@ -104,14 +104,19 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
     for (const TakenExplanation& one : taken) {
       if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
           one.explanation.index == j) {
-        aged[j] = Lasts(one.explanation) &&
-                  !candidates.competition->outputs()[i].HasTie(one.explanation);
+        aged[j] =
+            Lasts(one.explanation) &&
+            !candidates.competition->outputs()[i].HasTie(one.explanation) &&
+            ProposesElement(candidates.estimate, i, j);
       }
     }
     if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
-    // Both judges have to name it. Inputs in place of set points may answer
-    // what disturbs the output once, which no test of feedback sees.
-    if (!ProposesElement(candidates.estimate, i, j)) aged[j] = false;
+    // Inputs may answer what disturbs the output once, which no test of
+    // feedback sees: the likelihood has to propose the element, too.
+    if (!candidates.competition->outputs()[i].by_set_points &&
+        !ProposesElement(candidates.estimate, i, j)) {
+      aged[j] = false;
+    }
     // Nor is a change made that is not worth making.
     if (aged[j]) {
       const Eigen::VectorXd from = candidates.initial_response.element(i, j);
