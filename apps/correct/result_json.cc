@@ -251,8 +251,8 @@ Json JudgesJson(const Result& result) {
       continue;
     }
     row["instruments"] = output.by_set_points ? "set_points" : "inputs";
-    if (output.no_feedback.has_value()) {
-      row["no_feedback"] = *output.no_feedback;
+    if (output.feedback_p_value.has_value()) {
+      row["feedback_p_value"] = *output.feedback_p_value;
     }
     row["moves"] = output.moves;
     row["before"] = output.before();

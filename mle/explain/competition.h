@@ -81,7 +81,7 @@ struct HorizonErrors {
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;
 
-// Below this probability of none there is feedback.
+// Of the test of feedback; below it there is some.
 inline constexpr double kFeedback = 0.01;
 
 // The explanations of one output, and the evidence for them.
@@ -89,9 +89,9 @@ struct OutputExplanation {
   // Why there is no judge: nothing moves, nothing is measured; or empty.
   std::string unjudged;
   bool by_set_points = false;
-  // Where inputs stand for set points: the probability that none of them
-  // answers the output (feedback.h); nothing where it cannot be tested.
-  std::optional<double> no_feedback;
+  // Where inputs stand for set points: of the test that none of them answers
+  // the output (feedback.h); nothing where it cannot be tested.
+  std::optional<double> feedback_p_value;
   int moves = 0;
   std::vector<TakenExplanation> taken;
   // The last explanation that was tried and not taken.
@@ -120,10 +120,10 @@ struct OutputExplanation {
   bool judged() const { return unjudged.empty(); }
   // Inputs stand for set points and answer the output, or do not.
   bool answered() const {
-    return no_feedback.has_value() && *no_feedback < kFeedback;
+    return feedback_p_value.has_value() && *feedback_p_value < kFeedback;
   }
   bool open_loop() const {
-    return no_feedback.has_value() && *no_feedback >= kFeedback;
+    return feedback_p_value.has_value() && *feedback_p_value >= kFeedback;
   }
   // The evidence of a fall of E, by `unit` or another M.
   double EvidenceOf(double fall) const { return EvidenceOf(fall, unit); }

@@ -67,8 +67,8 @@ Grid GridOf(const ExplainedOutput& output, const VectorXd& e) {
 
 }  // namespace
 
-std::optional<double> ProbabilityOfNoFeedback(const ExplainedOutput& output,
-                                              const VectorXd& e) {
+std::optional<double> FeedbackPValue(const ExplainedOutput& output,
+                                     const VectorXd& e) {
   const Grid grid = GridOf(output, e);
   std::vector<Index> points;
   for (std::size_t k = 0; k < grid.before.size(); ++k) {

@@ -5,8 +5,10 @@
 //
 // for each input in turn, e the residual of the model without what inputs drive
 // of it (instruments.h), in rows of a tenth of τ. What disturbs an output is in
-// e, so that a controller's answer to it is in b; the colour of disturbances
-// does not matter, since what is left of u is white. Internal to mle/explain.
+// e, so that a controller's answer to it is in b. The test does not depend on
+// the colour of disturbances: what is left of u is white.
+//
+// Internal to mle/explain.
 
 #ifndef MLE_EXPLAIN_FEEDBACK_H_
 #define MLE_EXPLAIN_FEEDBACK_H_
@@ -17,10 +19,11 @@
 
 namespace mle {
 
-// The probability that e predicts some input of the output this well by chance,
-// none of them answering it; nothing where there are too few rows to test.
-std::optional<double> ProbabilityOfNoFeedback(const ExplainedOutput& output,
-                                              const Eigen::VectorXd& e);
+// The p-value of b = 0: the probability that e predicts some input of the
+// output this well by chance, were there no feedback. Nothing where there are
+// too few rows to test.
+std::optional<double> FeedbackPValue(const ExplainedOutput& output,
+                                     const Eigen::VectorXd& e);
 
 }  // namespace mle
 

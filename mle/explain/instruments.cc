@@ -281,9 +281,6 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
   while (rank < sizes.size() && sizes[rank] > kLeastDirection * sizes[0]) {
     ++rank;
   }
-  const VectorXd e = made.Freed(output.Residual({}));
-  made.undriven_ = e - svd.matrixU().leftCols(rank) *
-                           (svd.matrixU().leftCols(rank).transpose() * e);
   const MatrixXd to_basis = svd.matrixV().leftCols(rank) *
                             sizes.head(rank).cwiseInverse().asDiagonal();
   made.basis_ = svd.matrixU().leftCols(rank);

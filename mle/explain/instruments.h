@@ -53,8 +53,10 @@ class Instruments {
   // Moves of the instruments, all together.
   int moves() const { return moves_; }
 
-  // What the instruments do not drive of the residual of the model as it is.
-  const Eigen::VectorXd& undriven() const { return undriven_; }
+  // What the instruments do not drive of e.
+  Eigen::VectorXd Undriven(const Eigen::VectorXd& e) const {
+    return Freed(e) - basis_ * Project(e);
+  }
 
   // Qᵀe.
   Eigen::VectorXd Project(const Eigen::VectorXd& e) const {
@@ -78,7 +80,6 @@ class Instruments {
   int moves_ = 0;
   double parts_ = 1.0;
   int placebos_ = 0;
-  Eigen::VectorXd undriven_;
   Eigen::MatrixXd free_;     // rows × f, orthonormal
   Eigen::MatrixXd basis_;    // rows × r
   Eigen::MatrixXd placebo_;  // rows × (r · placebos)

@@ -76,8 +76,9 @@ absl::StatusOr<OutputCompetition> OutputCompetition::Create(
   OutputCompetition competition(std::move(explained), std::move(instruments),
                                 options);
   if (!competition.instruments_.by_set_points()) {
-    competition.no_feedback_ = ProbabilityOfNoFeedback(
-        competition.output_, competition.instruments_.undriven());
+    competition.feedback_p_value_ = FeedbackPValue(
+        competition.output_,
+        competition.instruments_.Undriven(competition.output_.Residual({})));
     competition.options_.evidence *= kWithoutSetPoints;
   }
   competition.all_ =

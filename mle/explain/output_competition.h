@@ -103,7 +103,7 @@ class OutputCompetition {
   ExplainedOutput output_;
   Instruments instruments_;
   ExplainOptions options_;
-  std::optional<double> no_feedback_;
+  std::optional<double> feedback_p_value_;
   Eigen::VectorXd all_;  // weights of one
   std::vector<TakenExplanation> taken_;
   std::vector<TakenExplanation> next_;

@@ -74,7 +74,7 @@ OutputExplanation OutputCompetition::Report() const {
   report.independent = independent_;
   report.required = Required();
   report.by_set_points = instruments_.by_set_points();
-  report.no_feedback = no_feedback_;
+  report.feedback_p_value = feedback_p_value_;
   report.moves = instruments_.moves();
   report.taken = taken_;
   const MatrixXd covariance = CovarianceOfTheta();

@@ -174,17 +174,17 @@ Message ByInstruments(const OutputEvidence& output) {
 Message NotConfirmed(const OutputEvidence& output) {
   const InstrumentEvidence& judge = *output.instruments;
   std::string text;
-  if (judge.by_set_points || !judge.no_feedback.has_value()) {
+  if (judge.by_set_points || !judge.feedback_p_value.has_value()) {
     text = absl::StrCat(
         "but what ", judge.by_set_points ? "set points" : "moves of the inputs",
         " drive of it does not confirm it: a disturbance that the controller "
         "answers looks like this. More set-point changes would settle it.");
-  } else if (*judge.no_feedback < kFeedback) {
+  } else if (*judge.feedback_p_value < kFeedback) {
     text = absl::StrFormat(
         "but no set point changes, and the inputs answer %s (p = %.2g for "
-        "inputs that do not): what a controller answers looks like this. "
+        "no feedback): what a controller answers looks like this. "
         "Records with set points that change would settle it.",
-        output.name, *judge.no_feedback);
+        output.name, *judge.feedback_p_value);
   } else {
     text =
         "but what moves of the inputs drive of it, and data held out, do not "

@@ -86,8 +86,8 @@ enum class Acceptance {
 struct InstrumentEvidence {
   // If not, inputs stand for set points, which do not move.
   bool by_set_points = true;
-  // Where inputs do: the probability that they do not answer the output.
-  std::optional<double> no_feedback = std::nullopt;
+  // Where inputs do: of the test that none of them answers the output.
+  std::optional<double> feedback_p_value = std::nullopt;
   // Gains, time constants or dead times won.
   bool ageing = false;
   // Whole sentences on what else won, and on what would win as well; or empty.

@@ -159,11 +159,9 @@ TimeNames Examiner::Times() const {
                                     : TimeNames(model_.time_unit(), {});
 }
 
-// Whether the record knows no change of set point, and the outputs answer the
-// move: a controller's kick then.
+// Whether the outputs answer the move: a controller's kick then.
 bool IsKick(const ProcessModel& model, const Record& record, int input,
             const InputSpike& spike, std::optional<AnsweredMoves>& answers) {
-  if (record.set_points.size() > 0) return false;
   if (!answers.has_value()) {
     absl::StatusOr<AnsweredMoves> made = AnsweredMoves::Create(model, record);
     if (!made.ok()) return false;

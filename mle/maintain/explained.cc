@@ -356,7 +356,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     return std::nullopt;
   InstrumentEvidence evidence;
   evidence.by_set_points = output.by_set_points;
-  evidence.no_feedback = output.no_feedback;
+  evidence.feedback_p_value = output.feedback_p_value;
   const std::vector<bool> aged = AgedInputs(candidates, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
   evidence.other = Others(candidates, i);

@@ -5,15 +5,23 @@
 
 namespace mle {
 
-SampleRange WholeInputs(const Record& record) {
-  SampleRange best;
+std::vector<SampleRange> WholeParts(const Record& record, int samples) {
+  std::vector<SampleRange> parts;
   int first = 0;
   for (int k = 0; k <= record.samples(); ++k) {
     if (k < record.samples() && record.inputs.col(k).array().isFinite().all()) {
       continue;
     }
-    if (k - first > best.samples()) best = {first, k - 1};
+    if (k > first && k - first >= samples) parts.push_back({first, k - 1});
     first = k + 1;
+  }
+  return parts;
+}
+
+SampleRange WholeInputs(const Record& record) {
+  SampleRange best;
+  for (const SampleRange& part : WholeParts(record, 1)) {
+    if (part.samples() > best.samples()) best = part;
   }
   return best;
 }

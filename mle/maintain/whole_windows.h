@@ -4,6 +4,7 @@
 #define MLE_MAINTAIN_WHOLE_WINDOWS_H_
 
 #include <cstddef>
+#include <vector>
 
 #include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
@@ -17,6 +18,9 @@ struct SampleRange {
 
   int samples() const { return last - first + 1; }
 };
+
+// Parts in which every input is known, this long at least.
+std::vector<SampleRange> WholeParts(const Record& record, int samples);
 
 // The longest part in which every input is known.
 SampleRange WholeInputs(const Record& record);

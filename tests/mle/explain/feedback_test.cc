@@ -40,7 +40,7 @@ double Probability(const std::vector<Record>& records, int i) {
   const auto instruments = Instruments::Create(TwoLoops(), *output);
   EXPECT_TRUE(instruments.ok()) << instruments.status();
   const auto probability =
-      ProbabilityOfNoFeedback(*output, instruments->undriven());
+      FeedbackPValue(*output, instruments->Undriven(output->Residual({})));
   EXPECT_TRUE(probability.has_value());
   return probability.value_or(-1.0);
 }
@@ -78,8 +78,7 @@ TEST(FeedbackTest, TooFewRowsAreNotTested) {
   const std::vector<Record> records = {CloseLoops(TwoLoops(), 1, happening)};
   const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
   ASSERT_TRUE(output.ok()) << output.status();
-  EXPECT_FALSE(
-      ProbabilityOfNoFeedback(*output, output->Residual({})).has_value());
+  EXPECT_FALSE(FeedbackPValue(*output, output->Residual({})).has_value());
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
        Decision::kCannotTell,
        MessageCode::kNotConfirmed},
       {"not confirmed, and the inputs answer",
-       {.by_set_points = false, .no_feedback = 1e-4, .left = 1.0},
+       {.by_set_points = false, .feedback_p_value = 1e-4, .left = 1.0},
        Acceptance::kNothing,
        Decision::kCannotTell,
        MessageCode::kNotConfirmed},
