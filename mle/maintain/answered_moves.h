@@ -1,8 +1,8 @@
 // Whether the outputs answer what a record says an input did for one sample.
 // Internal to mle/maintain.
 //
-// A controller's kick at a change of set point that the record does not have,
-// and a fault of the historian, look alike in the input. With h the model's
+// A controller's kick, at a change of set point or some samples after it, and a
+// fault of the historian look alike in the input. With h the model's
 // response of output i to the input by `size` for that sample, and e = y − G u
 // the residual under the inputs as recorded, around the sample
 //

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -174,10 +175,11 @@ TEST(ExamineRecordsTest, ReplacesSpikes) {
   }
 }
 
-// Without set points a controller's kick looks like a spike, but the outputs
-// answer it.
+// A controller's kick looks like a spike, but the outputs answer it, whether or
+// not set points are recorded.
 TEST(ExamineRecordsTest, LeavesKicksThatTheOutputsAnswer) {
-  for (const double gain : {1.0, 0.7, 1.5}) {
+  for (const auto& [gain, set_points] :
+       {std::pair(1.0, false), {0.7, false}, {1.5, false}, {1.0, true}}) {
     const ProcessModel model = testing::LoopModel();
     ProcessModel plant = model;
     plant.element(1, 1) = TransferFunction::FirstOrder(-3.0 * gain, 12.0, 2.0);
@@ -190,6 +192,7 @@ TEST(ExamineRecordsTest, LeavesKicksThatTheOutputsAnswer) {
       record.outputs(0, k) += 0.02 * std::sin(2.39996 * k * k);
       record.outputs(1, k) += 0.02 * std::sin(1.7 * k * k);
     }
+    if (set_points) record.set_points = 0.0 * record.outputs;
     const double kick = record.inputs(1, 1230);
     const double usual = record.inputs(1, 2230);
     record.inputs(1, 2230) += 3.0;  // the record alone has it
