@@ -52,6 +52,10 @@ struct ExplainOptions {
   double evidence = 8.0;
   // Explanations of an output at most, ≥ 1.
   int most = 6;
+  // p × m: the elements that another estimate has changed, or empty. Where
+  // inputs stand for set points, and answer nothing, these are hypotheses by
+  // themselves, not the best of a table, and need e⁻³ (5 %).
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> expected = {};
   // p: the times that samples of the outputs are known to be means over, in the
   // middle of which they stand; or empty.
   std::vector<double> averages = {};
@@ -73,8 +77,8 @@ struct HorizonErrors {
   double horizon = 0.0;  // in the model's time unit; 0: free simulation
   double initial = 0.0;  // root mean square
   double explained = 0.0;
-  // The difference of the squares in its standard errors over blocks; > 0: the
-  // explained model is nearer.
+  // The relative difference of the squares in its standard errors over blocks;
+  // > 0: the explained model is nearer.
   double deviations = 0.0;
 };
 

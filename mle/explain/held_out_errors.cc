@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace mle {
 namespace {
@@ -40,15 +41,31 @@ bool Reaches(const std::vector<ResidualRow>& rows, std::size_t i, int ahead) {
          rows[i].first - from.first == ahead * rows[i].samples;
 }
 
-// The standard error of the sum over blocks.
-double ErrorOfSum(const std::vector<double>& gains) {
-  const auto n = static_cast<double>(gains.size());
-  double mean = 0.0;
-  for (const double gain : gains) mean += gain;
-  mean /= n;
-  double variance = 0.0;
-  for (const double gain : gains) variance += (gain - mean) * (gain - mean);
-  return std::sqrt(variance * n / std::max(n - 1.0, 1.0));
+// Squares of the errors of both models in a block.
+struct BlockSquares {
+  double initial = 0.0;
+  double explained = 0.0;
+};
+
+// The mean over blocks of (a − b)/(a + b), in its standard errors: blocks differ
+// in what moves and disturbs them, and one must not decide for all. Nothing
+// where there are fewer than two.
+std::optional<double> Deviations(const std::vector<BlockSquares>& blocks) {
+  double n = 0.0;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const BlockSquares& block : blocks) {
+    const double both = block.initial + block.explained;
+    if (!(both > 0.0)) continue;
+    const double share = (block.initial - block.explained) / both;
+    n += 1.0;
+    sum += share;
+    squares += share * share;
+  }
+  if (n < 2.0) return std::nullopt;
+  const double mean = sum / n;
+  const double variance = (squares - n * mean * mean) / (n - 1.0);
+  return variance > 0.0 ? mean / std::sqrt(variance / n) : 0.0;
 }
 
 }  // namespace
@@ -74,7 +91,8 @@ std::vector<HorizonErrors> HeldOutErrors(
   for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
     const int ahead =
         horizon > 0.0 ? InRows(horizon * output.tau(), row_time) : 0;
-    std::vector<double> gains(static_cast<std::size_t>(blocks.back()) + 1, 0.0);
+    std::vector<BlockSquares> squares(
+        static_cast<std::size_t>(blocks.back()) + 1);
     double before = 0.0;
     double after = 0.0;
     int count = 0;
@@ -88,16 +106,17 @@ std::vector<HorizonErrors> HeldOutErrors(
           error(explained[static_cast<std::size_t>(blocks[i] % kFolds)]);
       before += a * a;
       after += b * b;
-      gains[static_cast<std::size_t>(blocks[i])] += a * a - b * b;
+      BlockSquares& block = squares[static_cast<std::size_t>(blocks[i])];
+      block.initial += a * a;
+      block.explained += b * b;
       ++count;
     }
-    if (count == 0) continue;
-    const double deviation = ErrorOfSum(gains);
-    errors.push_back(
-        {.horizon = ahead * row_time,
-         .initial = std::sqrt(before / count),
-         .explained = std::sqrt(after / count),
-         .deviations = deviation > 0.0 ? (before - after) / deviation : 0.0});
+    const std::optional<double> deviations = Deviations(squares);
+    if (!deviations.has_value()) continue;
+    errors.push_back({.horizon = ahead * row_time,
+                      .initial = std::sqrt(before / count),
+                      .explained = std::sqrt(after / count),
+                      .deviations = *deviations});
   }
   return errors;
 }

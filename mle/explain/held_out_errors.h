@@ -17,7 +17,8 @@
 
 namespace mle {
 
-// Errors at the horizons τ/5, τ, 3 τ and 0; horizons without rows are left out.
+// Errors at the horizons τ/5, τ, 3 τ and 0; those that fewer than two blocks
+// show are left out.
 // `estimate` gives the explanations estimated from the rows of weight one.
 std::vector<HorizonErrors> HeldOutErrors(
     const ExplainedOutput& output, const Instruments& instruments,

@@ -41,6 +41,8 @@ constexpr double kIndependent = 3.0;
 constexpr double kFewestIndependent = 2.0;
 // More evidence where inputs stand for set points.
 constexpr double kWithoutSetPoints = 2.0;
+// The evidence of one hypothesis, which is not the best of a table: 5 %.
+constexpr double kExpected = 3.0;
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
 constexpr double kMostOfSample = 0.75;
@@ -253,6 +255,15 @@ double OutputCompetition::EvidenceOf(double fall, double unit) const {
   return report.EvidenceOf(fall);
 }
 
+double OutputCompetition::EvidenceFor(const Explanation& explanation) const {
+  const bool open_loop =
+      feedback_p_value_.has_value() && *feedback_p_value_ >= kFeedback;
+  const bool expected = open_loop && options_.expected.size() > 0 &&
+                        IsAgeing(explanation.kind) &&
+                        options_.expected(output_.output(), explanation.index);
+  return expected ? std::min(kExpected, options_.evidence) : options_.evidence;
+}
+
 OutputCompetition::Chance OutputCompetition::ChanceOf(
     const Fit& fit, const MatrixXd& directions) const {
   return ChanceOf(output_.Residual(fit.explanations), directions);
@@ -303,7 +314,7 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
     std::optional<Next> next = BestNext(taken);
     if (!next.has_value()) break;
     double evidence = EvidenceOf(energy - next->fit.energy, next->unit);
-    if (!(evidence > options_.evidence)) {
+    if (!(evidence > EvidenceFor(next->fit.explanations.back()))) {
       next_ = {{next->fit.explanations.back(), 0.0, evidence}};
       // Two may hide each other: what one leaves is in what chance makes.
       const double chance = ChanceOf({taken, energy, 0.0}, directions_).energy;
@@ -334,7 +345,7 @@ void OutputCompetition::Backward(std::size_t given) {
     const std::vector<Explanation> all = Explanations();
     for (std::size_t i = given; i + 1 < taken_.size(); ++i) {
       const Fit without = Estimate(Without(all, i), all_);
-      if (EvidenceOf(without.energy - energy_, unit_) > options_.evidence) {
+      if (EvidenceOf(without.energy - energy_, unit_) > EvidenceFor(all[i])) {
         continue;
       }
       taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(i));

@@ -149,6 +149,13 @@ absl::StatusOr<std::optional<Competition>> Compete(
   const bool whole = data.operated_as_usual && !data.records.empty();
   ExplainOptions explain = options.explain;
   explain.threads = options.threads;
+  explain.expected.resize(candidates.initial.num_outputs(),
+                          candidates.initial.num_inputs());
+  for (int i = 0; i < candidates.initial.num_outputs(); ++i) {
+    for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
+      explain.expected(i, j) = ProposesElement(candidates.estimate, i, j);
+    }
+  }
   for (const Sampling& sampling : data.sampling) {
     explain.averages.push_back(sampling.average);
   }

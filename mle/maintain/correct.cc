@@ -26,13 +26,21 @@ absl::Status NotPositive(const char* field, double value) {
       field, " = ", value, ": it must be finite and greater than 0"));
 }
 
-// Changes in the first window, at different times.
+// Changes in the first window, at different times: of set points or, in a whole
+// record without any, of inputs.
 int ChangesOf(const RecordData& data) {
+  const SetPointWindow& window = data.windows.front();
   std::set<int> samples;
-  for (const SetPointChange& change : data.windows.front().changes) {
+  for (const SetPointChange& change : window.changes) {
     samples.insert(change.sample);
   }
-  return static_cast<int>(samples.size());
+  if (!samples.empty()) return static_cast<int>(samples.size());
+  const Eigen::MatrixXd& inputs = window.record.inputs;
+  int moves = 0;
+  for (Eigen::Index k = 1; k < inputs.cols(); ++k) {
+    if ((inputs.col(k).array() != inputs.col(k - 1).array()).any()) ++moves;
+  }
+  return moves;
 }
 
 // The order of the ARX model, and of the lags of diagnostics.

@@ -53,8 +53,21 @@ bool Explains(const OutputScores& scores) {
   return scores.simulated.corrected > 0.0;
 }
 
+// Whether the errors of all horizons together fall, and none grows by a fifth.
+bool FallTogether(const OutputScores& scores) {
+  constexpr double kWorse = 1.2;
+  double log_ratio = 0.0;
+  for (const Horizon& horizon : kHorizons) {
+    const double ratio = std::sqrt(1.0 - (scores.*horizon.score).gain);
+    if (!(ratio < kWorse)) return false;
+    log_ratio += std::log(std::max(ratio, 1e-300));
+  }
+  return log_ratio < 0.0;
+}
+
 bool Holds(const OutputScores& scores, double deviations) {
-  return Explains(scores) && FirstFall(scores, deviations) == nullptr &&
+  return Explains(scores) && FallTogether(scores) &&
+         FirstFall(scores, deviations) == nullptr &&
          FirstGain(scores, deviations) != nullptr;
 }
 
@@ -142,10 +155,26 @@ Message ExplainsNothing(const OutputEvidence& output) {
                       output.name, output.scores->simulated.corrected));
 }
 
+Message NotTogether(const OutputEvidence& output) {
+  std::vector<std::string> fits;
+  for (const Horizon& horizon : kHorizons) {
+    const HorizonScore& score = (*output.scores).*horizon.score;
+    fits.push_back(absl::StrCat(FitText(score.corrected), " after ",
+                                FitText(score.initial), " ", horizon.name));
+  }
+  return Doubt(output, MessageCode::kNotBetter,
+               absl::StrCat("On held-out data the correction of ", output.name,
+                            " predicts no better over all horizons together: "
+                            "its fit is ",
+                            absl::StrJoin(fits, ", "),
+                            ". More set-point changes would settle it."));
+}
+
 Message NotBetter(const OutputEvidence& output, double deviations) {
   const Horizon* const fall = FirstFall(*output.scores, deviations);
   if (fall == nullptr && FirstGain(*output.scores, deviations) != nullptr) {
-    return ExplainsNothing(output);
+    return Explains(*output.scores) ? NotTogether(output)
+                                    : ExplainsNothing(output);
   }
   if (fall == nullptr) {
     return Doubt(

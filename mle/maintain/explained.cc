@@ -272,6 +272,14 @@ std::size_t NumProposed(const Candidates& candidates, int i) {
   return count;
 }
 
+bool HasShape(const OutputExplanation& output) {
+  return std::any_of(output.taken.begin(), output.taken.end(),
+                     [](const TakenExplanation& one) {
+                       return one.explanation.kind ==
+                              ExplanationKind::kHigherOrder;
+                     });
+}
+
 // A path that the model has not got: no row of the table is about one.
 bool ProposesNewPath(const Candidates& candidates, int i) {
   for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
@@ -410,7 +418,10 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
         evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
     const bool better =
         contested.empty() && evidence_from(output.remaining) > most;
-    const bool as_much = energy < output.remaining + kAgrees * output.unit;
+    // A shape more is no simpler an explanation.
+    const bool as_much = energy < output.remaining + kAgrees * output.unit &&
+                         (!ProposesShape(candidates.estimate, i) ||
+                          output.taken.empty() || HasShape(output));
     evidence.confirms_proposal =
         explains && !reversed &&
         (better ||

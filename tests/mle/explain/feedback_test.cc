@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/explain/competition.h"
 #include "mle/explain/instruments.h"
 #include "tests/mle/explain/closed_loop_records.h"
 
@@ -70,6 +71,35 @@ TEST(FeedbackTest, ControllersThatAnswerAreSeen) {
     records[0].set_points.setZero();
     for (int i = 0; i < 2; ++i) EXPECT_LT(Probability(records, i), 1e-3);
   }
+}
+
+OutputExplanation FirstOutput(const Record& record, bool expected) {
+  ExplainOptions options;
+  options.expected.setConstant(2, 2, expected);
+  const auto competition = Competition::Run(TwoLoops(), {record}, options);
+  EXPECT_TRUE(competition.ok()) << competition.status();
+  return competition->outputs()[0];
+}
+
+// One hypothesis needs less evidence than the best of a table.
+TEST(FeedbackTest, WithoutFeedbackWhatIsExpectedNeedsLittleEvidence) {
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.08, 10.0, 2.0);
+  const Record record = OpenLoops(plant, 3);
+  const OutputExplanation alone = FirstOutput(record, false);
+  ASSERT_TRUE(alone.open_loop());
+  EXPECT_TRUE(alone.taken.empty());
+  ASSERT_TRUE(alone.next.has_value());
+  EXPECT_GT(alone.next->evidence, 3.0);
+  const OutputExplanation expected = FirstOutput(record, true);
+  ASSERT_EQ(expected.taken.size(), 1u);
+  EXPECT_EQ(expected.taken[0].explanation.kind, ExplanationKind::kGain);
+  EXPECT_EQ(expected.taken[0].explanation.index, 0);
+
+  // Of set points it is asked for as ever.
+  const Record loops = CloseLoops(plant, 3);
+  EXPECT_EQ(FirstOutput(loops, true).taken.size(),
+            FirstOutput(loops, false).taken.size());
 }
 
 TEST(FeedbackTest, TooFewRowsAreNotTested) {

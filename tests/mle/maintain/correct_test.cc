@@ -117,6 +117,24 @@ TEST(CorrectFromRecordsTest, WindowsThatMeetAreFittedAsOne) {
   EXPECT_EQ(two->decision, Decision::kCorrected);
 }
 
+// An experiment without a controller: a whole record, in which the input moves
+// at every sample, is held out in parts.
+TEST(CorrectFromRecordsTest, AnExperimentWithoutSetPointsIsCorrected) {
+  Record record = TankRecord(Tank(1.0), 0.02, 1);
+  record.set_points.setZero();
+  for (int k = 0; k < record.samples(); ++k) {
+    record.inputs(0, k) = std::sin(0.031 * k) + std::sin(0.17 * k + 1.0);
+  }
+  record.outputs = *SimulateResponse(Tank(1.5), 0.5, record.inputs) +
+                   GaussianNoise(1, 0, kMeasurementNoise)
+                       .DrawMatrix(1, record.samples(), 0.05);
+  const auto result = CorrectFromRecords(Tank(1.0), {record}, {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_TRUE(result->validation.held_out) << result->validation.missing;
+  EXPECT_EQ(result->decision, Decision::kCorrected);
+  EXPECT_NEAR(result->model.element(0, 0).StaticGain(), 1.5, 0.03);
+}
+
 TEST(CorrectFromRecordsTest, ARightModelIsKeptToTheLastDigit) {
   const auto result =
       CorrectFromRecords(Tank(1.6), {TankRecord(Tank(1.6), 0.02, 1)}, Fast());
