@@ -117,6 +117,10 @@ std::optional<Suspicion> Suspect(const Common& common) {
   if (common.elements == 1) {
     if (common.factor < 0.0) return SuspectSign(common);
     if (common.error > kTellingTolerance) return std::nullopt;
+    // One gain has aged by such a factor as well.
+    if (size < kLeastGainFactor && size > 1.0 / kLeastGainFactor) {
+      return std::nullopt;
+    }
     // A unit's factor is exact, one of ageing comes near it by chance.
     const std::optional<double> telling =
         Telling(size, 1.0 + kExactTolerance + 2.0 * common.error);

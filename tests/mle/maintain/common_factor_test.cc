@@ -75,6 +75,7 @@ TEST(CommonFactorTest, OneElement) {
   EXPECT_EQ(FactorOf({-0.2}), 0.0);
   EXPECT_EQ(FactorOf({59.0}), 60.0);
   EXPECT_EQ(FactorOf({30.0}), 0.0);
+  EXPECT_EQ(FactorOf({1.8}), 0.0);  // ageing makes it, too
   EXPECT_EQ(FactorOf({60.0}, 0.1), 0.0);
   const GainEstimates one = Row({60.0}, 0.01);
   EXPECT_EQ(FindCommonFactor({one}, true, 0)->elements, 1);

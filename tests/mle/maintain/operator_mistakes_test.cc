@@ -419,7 +419,7 @@ TEST(OperatorMistakesTest, OfOneElementOnlyTheNumberTells) {
                    0.005 * Eigen::MatrixXd::Random(1, record.samples());
   record.inputs = record.inputs.row(0).eval();
   record.set_points = record.set_points.row(0).eval();
-  for (const double factor : {-1.0, 1.8, 60.0, 0.01}) {
+  for (const double factor : {-1.0, 60.0, 0.01}) {
     Record other = record;
     other.inputs /= factor;
     const auto mistake = Find(other, model);
@@ -427,7 +427,7 @@ TEST(OperatorMistakesTest, OfOneElementOnlyTheNumberTells) {
     EXPECT_NEAR(mistake->factor, factor, 1e-12);
     EXPECT_TRUE(mistake->ambiguous);
   }
-  for (const double factor : {1.0, 0.5, 2.0, 5.0, 30.0}) {
+  for (const double factor : {1.0, 0.5, 1.8, 2.0, 5.0, 30.0}) {
     Record other = record;
     other.inputs /= factor;
     EXPECT_FALSE(Find(other, model).has_value()) << factor;
