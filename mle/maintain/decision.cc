@@ -53,20 +53,22 @@ bool Explains(const OutputScores& scores) {
   return scores.simulated.corrected > 0.0;
 }
 
-// Whether the errors of all horizons together fall, and none grows by a fifth.
-bool FallTogether(const OutputScores& scores) {
-  constexpr double kWorse = 1.2;
+// Whether the errors of all horizons together fall, and none grows by a fifth;
+// by a twentieth where what is held out is the only judge.
+bool FallTogether(const OutputScores& scores, bool only_judge) {
+  const double worse = only_judge ? 1.05 : 1.2;
   double log_ratio = 0.0;
   for (const Horizon& horizon : kHorizons) {
     const double ratio = std::sqrt(1.0 - (scores.*horizon.score).gain);
-    if (!(ratio < kWorse)) return false;
+    if (!(ratio < worse)) return false;
     log_ratio += std::log(std::max(ratio, 1e-300));
   }
   return log_ratio < 0.0;
 }
 
-bool Holds(const OutputScores& scores, double deviations) {
-  return Explains(scores) && FallTogether(scores) &&
+bool Holds(const OutputScores& scores, double deviations,
+           bool only_judge = false) {
+  return Explains(scores) && FallTogether(scores, only_judge) &&
          FirstFall(scores, deviations) == nullptr &&
          FirstGain(scores, deviations) != nullptr;
 }
@@ -235,7 +237,8 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
   const InstrumentEvidence& judge = *output.instruments;
   const bool holds = output.proposed && judge.confirms_proposal &&
                      output.scores.has_value() &&
-                     Holds(*output.scores, options.deviations);
+                     Holds(*output.scores, options.deviations,
+                           !judge.by_set_points);
   if (holds) {
     return {Acceptance::kProposal, Better(output, options.deviations)};
   }

@@ -225,6 +225,17 @@ TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
   }
 }
 
+// Where set points do not judge no horizon may grow by more than a twentieth.
+TEST(DecisionTest, WhatIsHeldOutIsMoreStrictAsTheOnlyJudge) {
+  for (const bool by_set_points : {true, false}) {
+    OutputEvidence output = Output(Scores(0.3, 0.5, -0.2, 0.15));
+    output.instruments = {.by_set_points = by_set_points,
+                          .confirms_proposal = true};
+    EXPECT_EQ(Decide(Of({output}), {}).outputs[0],
+              by_set_points ? Acceptance::kProposal : Acceptance::kNothing);
+  }
+}
+
 TEST(DecisionTest, OneOfManyWindowsMayFallALittle) {
   // 2.2 standard errors: beyond two, but one of twelve windows falls so far by
   // chance in one of six records.
