@@ -299,9 +299,6 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "or with --robust, also samples that are outliers under the model."},
       {"mark_frozen", &options.mark.frozen,
        "Stretches in which an output repeats one value are marked as bad."},
-      {"correct_clocks", &options.examination.correct_clocks,
-       "Tags whose time stamps seem to be late or early are shifted by the "
-       "estimate before anything is fitted."},
       {"window_before", &windows.before,
        "Length of the record kept before a set-point change; 0: the model's "
        "settling time.",

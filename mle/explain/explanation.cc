@@ -165,7 +165,8 @@ const std::vector<ExplanationType>& ExplanationTable() {
        -2.0,
        2.0,
        "the time stamps of %s are early or late",
-       "The clock of its tag would settle it."},
+       "The clock of its tag would settle it: declare its sampling (late_by) "
+       "where it is known."},
   };
   return *table;
 }

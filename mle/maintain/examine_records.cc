@@ -17,7 +17,6 @@
 #include "mle/maintain/answered_moves.h"
 #include "mle/maintain/exchanged_set_points.h"
 #include "mle/maintain/operator_mistakes.h"
-#include "mle/maintain/tag_clocks.h"
 
 namespace mle {
 namespace {
@@ -316,20 +315,6 @@ absl::Status Examiner::FindMistakes() {
     return absl::OkStatus();
   }
   FindSetPoints();
-  MLE_ASSIGN_OR_RETURN(const std::vector<TagClock> clocks,
-                       FindTagClocks(model_, records_, options_.threads));
-  for (const TagClock& clock : clocks) {
-    const bool correct = options_.correct_clocks && options_.repair;
-    Add(MessageCode::kClock,
-        clock.is_output ? model_.outputs()[clock.channel].name
-                        : model_.inputs()[clock.channel].name,
-        correct ? Consequence::kRepair : Consequence::kNote, clock.late,
-        absl::StrCat(clock.Describe(model_),
-                     correct ? " Its samples are shifted by that."
-                             : " If it is the clock, it can be corrected."))
-        .message.options = {"correct_clocks"};
-    if (correct) CorrectClock(clock, records_);
-  }
   return absl::OkStatus();
 }
 

@@ -1,6 +1,6 @@
 // Faults of records that are found before anything is fitted: what the data are
-// (compression.h, input_spikes.h, stuck_outputs.h, operation.h), clocks that
-// differ (tag_clocks.h), and configuration errors (operator_mistakes.h).
+// (compression.h, input_spikes.h, stuck_outputs.h, operation.h), and
+// configuration errors (operator_mistakes.h).
 //
 //   MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
 //                        ExamineRecords(model, ExamineOptions(), records));
@@ -51,11 +51,6 @@ struct ExamineOptions {
   // Whether samples are marked and replaced; if not, what could be repaired
   // stays as it is.
   bool repair = true;
-  // Whether the samples of tags whose clocks differ are shifted by the estimate
-  // (tag_clocks.h). A late tag looks like longer dead times, which may be what
-  // they seem: someone has to know.
-  bool correct_clocks = false;
-
   // How messages write times; without a unit, in the model's.
   TimeNames times = {};
   // The columns of channels, for messages that say how a mapping is corrected.

@@ -314,7 +314,7 @@ Eigen::VectorXd ApplyFilter(const Eigen::VectorXd& filter,
 }
 
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
-                             int order, double enough) {
+                             int order) {
   WhitenedFit fit;
   fit.gains = std::move(start);
   fit.errors = Eigen::VectorXd::Zero(fit.gains.size());
@@ -322,14 +322,12 @@ WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
   Noise noise = FitNoise(data, fit.gains, order);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::VectorXd before = fit.gains;
-    const double likelihood_before = LogLikelihoodOfNoise(noise);
     FitGains(data, present, noise, fit);
     noise = FitNoise(data, fit.gains, order);
     const bool converged =
         ((fit.gains - before).array().abs() <= kConverged * fit.errors.array())
             .all();
-    const double gained = LogLikelihoodOfNoise(noise) - likelihood_before;
-    if (converged || std::abs(gained) < enough) break;
+    if (converged) break;
   }
   fit.log_likelihood = LogLikelihoodOfNoise(noise);
   return fit;

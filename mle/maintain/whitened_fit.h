@@ -50,11 +50,9 @@ double WhitenedLogLikelihood(const WhitenedData& data,
 WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains);
 
 // `order` is n ≥ 1. The fit ends where the gains move by less than 10⁻³ of
-// their standard errors, or where a round changes the log-likelihood by less
-// than `enough` nats: gains of responses that hardly differ may go on for long
-// then.
+// their standard errors.
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
-                             int order = kWhitenedOrder, double enough = 0.0);
+                             int order = kWhitenedOrder);
 
 // The log-likelihood with few gains free, all others 1, less ½ ln N for each
 // that is: of those left in turn the one that explains most of the innovations,

@@ -48,25 +48,6 @@ TEST(ExamineRecordsTest, FindsNothingInRightRecords) {
   }
 }
 
-TEST(ExamineRecordsTest, ClocksAreCorrectedWhereAsked) {
-  Record late = LoopRecord();
-  const Eigen::RowVectorXd before = late.outputs.row(0);
-  late.outputs.row(0).tail(3995) = before.head(3995);
-  Record record = late;
-  std::vector<Finding> findings = Examine(record);
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].message.code, MessageCode::kClock);
-  EXPECT_EQ(findings[0].consequence, Consequence::kNote);
-  EXPECT_EQ(record.outputs, late.outputs);
-  ExamineOptions options;
-  options.correct_clocks = true;
-  findings = Examine(record, options);
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
-  EXPECT_NEAR(findings[0].value, 1.25, 0.1);
-  EXPECT_TRUE(Examine(record).empty());
-}
-
 TEST(ExamineRecordsTest, SetPointsUnderEachOthersTagsAreTakenSo) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const Record right = LoopRecord({.walk = 0.002, .seed = seed});
@@ -239,19 +220,6 @@ TEST(ExamineRecordsTest, AMistakeBlocksFirst) {
   EXPECT_EQ(findings[0].message.code, MessageCode::kMistake);
   EXPECT_EQ(FirstBlocking(findings), &findings[0]);
   EXPECT_EQ(findings[1].message.code, MessageCode::kInputSpikes);
-}
-
-TEST(ExamineRecordsTest, ClocksAreNoted) {
-  for (const int early : {3, 12}) {
-    Record record = LoopRecord();
-    const Eigen::RowVectorXd row = record.outputs.row(0);
-    record.outputs.row(0).head(4000 - early) = row.tail(4000 - early);
-    const std::vector<Finding> findings = Examine(record);
-    ASSERT_EQ(findings.size(), 1u);
-    EXPECT_EQ(findings[0].message.code, MessageCode::kClock);
-    EXPECT_EQ(findings[0].consequence, Consequence::kNote);
-    EXPECT_NEAR(findings[0].value, -0.25 * early, 0.15);
-  }
 }
 
 TEST(ExamineRecordsTest, NotesHowThePlantIsOperated) {

@@ -116,21 +116,6 @@ TEST(WhitenedFitTest, AFilterIsTheSumOverItsTaps) {
   }
 }
 
-// Where a round gains less than is enough the fit ends, before the gains have
-// settled.
-TEST(WhitenedFitTest, EndsWhereARoundGainsLessThanIsEnough) {
-  const WhitenedData data = Data(0.3, 0.2, 5);
-  const auto fitted = [&](double enough) {
-    return FitWhitenedGains(data, Eigen::VectorXd::Zero(2), kWhitenedOrder,
-                            enough);
-  };
-  const WhitenedFit all = fitted(0.0);
-  const WhitenedFit one_round = fitted(1e9);
-  EXPECT_GT((one_round.gains - all.gains).norm(), 1e-9);
-  EXPECT_EQ(fitted(1e-30).gains, all.gains);
-  EXPECT_NEAR(fitted(0.1).log_likelihood, all.log_likelihood, 0.1);
-}
-
 // At every seed within 4 standard errors, which are about the deviation of the
 // estimates.
 TEST(WhitenedFitTest, FindsGainsAndTheirErrors) {
