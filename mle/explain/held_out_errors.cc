@@ -47,9 +47,9 @@ struct BlockSquares {
   double explained = 0.0;
 };
 
-// The mean over blocks of (a − b)/(a + b), in its standard errors: blocks differ
-// in what moves and disturbs them, and one must not decide for all. Nothing
-// where there are fewer than two.
+// The mean over blocks of (a − b)/(a + b), in its standard errors: blocks
+// differ in what moves and disturbs them, and one must not decide for all.
+// Nothing where there are fewer than two.
 std::optional<double> Deviations(const std::vector<BlockSquares>& blocks) {
   double n = 0.0;
   double sum = 0.0;
@@ -91,8 +91,8 @@ std::vector<HorizonErrors> HeldOutErrors(
   for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
     const int ahead =
         horizon > 0.0 ? InRows(horizon * output.tau(), row_time) : 0;
-    std::vector<BlockSquares> squares(
-        static_cast<std::size_t>(blocks.back()) + 1);
+    std::vector<BlockSquares> squares(static_cast<std::size_t>(blocks.back()) +
+                                      1);
     double before = 0.0;
     double after = 0.0;
     int count = 0;

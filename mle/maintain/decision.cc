@@ -252,6 +252,10 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
           Holds(*output.scores, options.deviations)))) {
       return {Acceptance::kExplained, ByInstruments(output)};
     }
+    if (judge.errors.empty()) {
+      return NotTaken(NotValidated(
+          output, "the records are shorter than six time constants"));
+    }
     return NotTaken(
         Doubt(output, MessageCode::kNotBetter,
               absl::StrCat("On held-out data the correction of ", output.name,
