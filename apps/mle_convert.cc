@@ -9,7 +9,6 @@
 #include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "mle/base/file.h"
-#include "mle/base/status.h"
 #include "mle/exchange/model_conversion.h"
 
 namespace mle {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/common/command_line.h"
-#include "apps/common/run_again.h"
 #include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/reproduce/report.h"
@@ -14,7 +13,6 @@
 #include "apps/reproduce/request.h"
 #include "apps/reproduce/summary.h"
 #include "mle/base/file.h"
-#include "mle/base/status.h"
 
 namespace mle {
 namespace {

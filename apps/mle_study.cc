@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <iostream>
 #include <string>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
 #include "apps/common/part.h"
-#include "apps/common/run_again.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/report.h"
 #include "apps/experiment/study.h"

@@ -5,7 +5,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "Eigen/Eigenvalues"

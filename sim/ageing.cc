@@ -3,7 +3,6 @@
 #include <cmath>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"

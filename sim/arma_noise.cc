@@ -5,7 +5,6 @@
 
 #include "Eigen/Eigenvalues"
 #include "absl/strings/str_cat.h"
-#include "mle/base/status.h"
 #include "sim/check_options.h"
 
 namespace mle::sim {

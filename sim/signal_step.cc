@@ -1,6 +1,5 @@
 #include "sim/signal_step.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"

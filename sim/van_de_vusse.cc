@@ -1,7 +1,6 @@
 #include "sim/van_de_vusse.h"
 
 #include <cmath>
-#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"

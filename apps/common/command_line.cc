@@ -87,10 +87,6 @@ void StartCommand(const std::string& usage, OptionTable& table, int argc,
 
 std::string CommandLine() { return StoredCommandLine(); }
 
-std::vector<std::pair<std::string, std::string>> GivenOptions() {
-  return stored_table->Values();
-}
-
 std::string_view Version() { return LibraryVersion(); }
 
 void SayError(const std::string& message) {
@@ -134,6 +130,41 @@ int UsableThreads(int asked) {
   return static_cast<int>(
       std::min(static_cast<unsigned>(asked),
                std::max(std::thread::hardware_concurrency(), 1u)));
+}
+
+NamesAndValues ShapingResults(NamesAndValues options) {
+  std::erase_if(options, [](const auto& option) {
+    return option.first == "out" || option.first == "threads" ||
+           option.first == "verbose" || option.first == "json" ||
+           option.first == "part";
+  });
+  return options;
+}
+
+NamesAndValues ResultFlags() { return ShapingResults(stored_table->Values()); }
+
+report::RunAgain HowToRunAgain(const std::vector<std::uint64_t>& seeds,
+                               NamesAndValues checksums) {
+  NamesAndValues flags;
+  for (const auto& [name, value] : ResultFlags()) {
+    flags.emplace_back(absl::StrCat("--", name), value);
+  }
+  report::RunAgain again =
+      HowToCallAgain(CommandLine(), flags, std::move(checksums));
+  if (!seeds.empty()) again.seeds = absl::StrCat(seeds.front());
+  if (seeds.size() > 1) absl::StrAppend(&again.seeds, " … ", seeds.back());
+  return again;
+}
+
+report::RunAgain HowToCallAgain(const std::string& call,
+                                const NamesAndValues& options,
+                                NamesAndValues checksums) {
+  report::RunAgain again;
+  again.command = call;
+  again.version = std::string(Version());
+  again.more = std::move(checksums);
+  again.more.insert(again.more.end(), options.begin(), options.end());
+  return again;
 }
 
 }  // namespace mle

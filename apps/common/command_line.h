@@ -1,4 +1,4 @@
-// How every command starts and ends.
+// How every command starts and ends, and how its results are had again.
 //
 // Exit codes: 0 done; 1 ran, but the result is not usable; 2 bad input or
 // flags.
@@ -6,6 +6,7 @@
 #ifndef APPS_COMMON_COMMAND_LINE_H_
 #define APPS_COMMON_COMMAND_LINE_H_
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
+#include "apps/report/html.h"
 #include "mle/base/folder_lock.h"
 
 namespace mle {
@@ -30,9 +32,6 @@ void StartCommand(const std::string& usage, OptionTable& table, int argc,
 // The command line as it was given, for a shell.
 std::string CommandLine();
 
-// The names and values of all options of the command that was started.
-std::vector<std::pair<std::string, std::string>> GivenOptions();
-
 std::string_view Version();
 
 // Prints the failure and gives its exit code: 1 for FailedPrecondition,
@@ -48,6 +47,25 @@ absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder);
 
 // Threads that gain something: `asked`, but no more than there are processors.
 int UsableThreads(int asked);
+
+using NamesAndValues = std::vector<std::pair<std::string, std::string>>;
+
+// The options that shape results: all but out, part, threads, verbose and json.
+NamesAndValues ShapingResults(NamesAndValues options);
+
+// The same of all flags of the command that was started.
+NamesAndValues ResultFlags();
+
+// Command line, version, seeds (the first and the last, if there are any) and
+// flags. `checksums`: names and values that come before the flags.
+report::RunAgain HowToRunAgain(const std::vector<std::uint64_t>& seeds,
+                               NamesAndValues checksums = {});
+
+// The same for a run that was not started as a command: the call and its
+// options.
+report::RunAgain HowToCallAgain(const std::string& call,
+                                const NamesAndValues& options,
+                                NamesAndValues checksums);
 
 }  // namespace mle
 

@@ -5,7 +5,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/did_you_mean.h"
+#include "apps/common/option_values.h"
 #include "gflags/gflags.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"

@@ -8,7 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/did_you_mean.h"
+#include "apps/common/option_values.h"
 #include "apps/report/text.h"
 #include "mle/base/absl_view.h"
 

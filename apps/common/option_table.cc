@@ -10,7 +10,6 @@
 #include "gflags/gflags.h"
 #include "glog/logging.h"
 #include "mle/base/absl_view.h"
-#include "mle/base/status.h"
 
 namespace mle {
 namespace {

@@ -16,7 +16,7 @@
 //
 // The default of an option is what its field holds when it is added. Structs
 // that several commands have come with a function that makes their options, so
-// that an option stands once: see controller_options.h, correct_options.h.
+// that an option stands once: see shared_options.h.
 
 #ifndef APPS_COMMON_OPTION_TABLE_H_
 #define APPS_COMMON_OPTION_TABLE_H_

@@ -25,6 +25,11 @@
 
 namespace mle {
 
+// "did you mean 'huber'? ", with a blank at the end; empty where none of
+// `known` is near (mle/data/nearest_names.h).
+std::string DidYouMean(std::string_view given,
+                       const std::vector<std::string>& known);
+
 struct TextValue {
   std::string text;  // the default, then the value
   // Puts a text into the field. InvalidArgument says what is wrong with it; the

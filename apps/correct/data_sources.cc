@@ -1,9 +1,7 @@
 #include "apps/correct/data_sources.h"
 
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/advice.h"
 
 namespace mle::correct {
 namespace {

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/figure_parts.h"
 #include "apps/correct/mismatch_map.h"
-#include "apps/correct/outputs.h"
 #include "apps/report/figure.h"
 
 namespace mle::correct {

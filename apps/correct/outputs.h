@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/correct/result.h"
+#include "apps/report/html.h"
 
 namespace mle::correct {
 
@@ -24,6 +26,12 @@ absl::StatusOr<std::string> FormatResult(
 std::string FormatArx(const ArxModel& model, const ProcessModel& channels);
 
 std::string FormatStepResponses(const Result& result);
+
+// Into request.out. All contents are made before the first file is written;
+// what a former run has left there of another result is removed. `json` is the
+// text of result.json; `again` is for the page.
+absl::Status WriteResult(const Result& result, const std::string& json,
+                         const report::RunAgain& again);
 
 }  // namespace mle::correct
 

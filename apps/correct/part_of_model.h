@@ -6,7 +6,6 @@
 #ifndef APPS_CORRECT_PART_OF_MODEL_H_
 #define APPS_CORRECT_PART_OF_MODEL_H_
 
-#include <string>
 #include <vector>
 
 #include "absl/status/status.h"

@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
-#include "mle/base/status.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::correct {

@@ -1,6 +1,5 @@
 // The records as they came, and what the models make of them.
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>

@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "apps/correct/result.h"
 #include "apps/report/table.h"
 #include "mle/model/process_model.h"
 

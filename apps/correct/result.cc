@@ -1,7 +1,6 @@
 #include "apps/correct/result.h"
 
 #include <string_view>
-#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"

@@ -3,7 +3,6 @@
 #ifndef APPS_CORRECT_RESULT_H_
 #define APPS_CORRECT_RESULT_H_
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>

@@ -1,9 +1,6 @@
 #include "apps/correct/tables.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"

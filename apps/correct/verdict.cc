@@ -8,7 +8,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/advice.h"
 #include "apps/report/number.h"
 #include "mle/base/double_limits.h"
 

@@ -3,16 +3,13 @@
 #include <cmath>
 #include <functional>
 #include <set>
-#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
 #include "apps/common/option_json.h"
-#include "apps/experiment/campaign.h"
 #include "apps/experiment/campaign_parts.h"
-#include "apps/experiment/experiment_options.h"
 #include "apps/experiment/grid.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"

@@ -10,7 +10,6 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/experiment/campaign_json.h"
 #include "mle/base/status.h"
 #include "mle/model/json_node.h"
 

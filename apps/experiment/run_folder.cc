@@ -13,7 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/stop_signal.h"
+#include "apps/common/process_faults.h"
 #include "mle/base/status.h"
 
 namespace mle::experiment {

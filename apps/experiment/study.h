@@ -13,9 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/run_folder.h"
 #include "apps/experiment/summary.h"
 #include "apps/report/html.h"

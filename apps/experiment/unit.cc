@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/experiment/experiment.h"
 #include "apps/experiment/plants.h"
 #include "mle/model/element_response.h"
 

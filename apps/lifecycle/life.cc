@@ -4,7 +4,6 @@
 #include <deque>
 #include <utility>
 
-#include "absl/status/statusor.h"
 #include "control/mpc.h"
 #include "control/mpc_options.h"
 #include "mle/base/status.h"

@@ -4,14 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include "Eigen/Core"
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "mle/data/sampling.h"
 #include "sim/check_options.h"
-#include "sim/closed_loop.h"
 #include "sim/plant.h"
 #include "sim/plant_model.h"
 

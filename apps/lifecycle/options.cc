@@ -5,9 +5,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "apps/common/controller_options.h"
-#include "apps/common/correct_options.h"
-#include "apps/common/price_options.h"
+#include "apps/common/shared_options.h"
 #include "apps/lifecycle/request.h"
 #include "mle/base/status.h"
 

@@ -9,7 +9,6 @@
 #include "apps/lifecycle/summary.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
-#include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
 #include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"

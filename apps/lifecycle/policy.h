@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "mle/maintain/estimation.h"
 
 namespace mle::lifecycle {
 

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 #include <utility>
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
-#include "apps/common/option_table.h"
-#include "apps/experiment/experiment_options.h"
-#include "apps/experiment/options.h"
+#include "apps/common/shared_options.h"
+#include "apps/experiment/campaign.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"

@@ -8,7 +8,6 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/model/process_model.h"
 #include "mle/nonlinear/fopdt_fit.h"
 
 namespace mle::lifecycle {

@@ -36,6 +36,11 @@ std::vector<Tick> NamedTicks(const std::vector<std::string>& names);
 // 0 at range.min, 1 at range.max.
 double Fraction(double value, const Range& range, bool log);
 
+// At most `wanted` (≥ 2) and one of them within `range`, all labelled; where
+// the range has no two whole seconds, as on an axis without dates.
+std::vector<Tick> DateTicks(const Range& range, const DateScale& dates,
+                            int wanted);
+
 }  // namespace mle::report
 
 #endif  // APPS_REPORT_AXIS_H_

@@ -13,11 +13,25 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/report/convert.h"
+#include "absl/time/time.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
 
 namespace mle::report {
+
+enum class Format { kPng, kPdf };
+
+struct ConvertOptions {
+  std::string program = "rsvg-convert";           // sought in PATH
+  double png_dots_per_inch = 200.0;               // [30, 1200]
+  absl::Duration time_limit = absl::Seconds(30);  // then it is killed
+};
+
+// The bytes of the picture; the same SVG gives the same. FailedPrecondition if
+// the program is not installed, DeadlineExceeded if it hangs, Internal with its
+// own words if it fails.
+absl::StatusOr<std::string> ConvertSvg(std::string_view svg, Format format,
+                                       const ConvertOptions& options = {});
 
 struct NamedFigure {
   std::string name;     // of its files, without extension
@@ -35,7 +49,7 @@ struct DrawnFigure {
 };
 
 // In the order given, on `threads` threads (0: one for each processor). PNG and
-// PDF need a program (convert.h); when that hangs once, it is not asked again.
+// PDF need a program; when that hangs once, it is not asked again.
 std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
                                      int threads,
                                      const ConvertOptions& options = {});

@@ -1,13 +1,12 @@
 #include "apps/report/layout.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "apps/report/date_ticks.h"
+#include "apps/report/axis.h"
 #include "apps/report/font.h"
 #include "mle/base/status.h"
 

@@ -1,5 +1,5 @@
 // A figure as SVG: the one way figures are drawn. PNG and PDF are converted
-// from the file made here (convert.h).
+// from the file made here (drawing.h).
 //
 // The same figure gives the same bytes. The picture needs nothing else: its
 // colours are attributes, those of dark mode a style sheet; it has no ids, so

@@ -13,7 +13,6 @@
 #include "control/prediction_model.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::reproduce {

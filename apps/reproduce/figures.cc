@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/reproduce/report.h"

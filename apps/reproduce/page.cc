@@ -1,4 +1,3 @@
-#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"

@@ -11,7 +11,6 @@
 #include "apps/experiment/experiment.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/unit.h"
-#include "apps/reproduce/summary.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 

@@ -4,7 +4,6 @@
 #ifndef APPS_REPRODUCE_REPRODUCTION_H_
 #define APPS_REPRODUCE_REPRODUCTION_H_
 
-#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"

@@ -2,18 +2,15 @@
 
 #include <cstddef>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/built_in_models.h"
 #include "apps/common/command_line.h"
-#include "apps/common/controller_options.h"
-#include "apps/common/did_you_mean.h"
 #include "apps/common/model_files.h"
-#include "apps/experiment/experiment_options.h"
+#include "apps/common/option_values.h"
+#include "apps/common/shared_options.h"
 #include "mle/base/status.h"
 
 namespace mle::reproduce {

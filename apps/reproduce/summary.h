@@ -10,7 +10,6 @@
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "apps/experiment/campaign.h"
 #include "apps/experiment/distribution.h"
 #include "apps/experiment/experiment.h"

@@ -6,9 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/did_you_mean.h"
 #include "apps/common/option_values.h"
-#include "mle/base/status.h"
 
 namespace mle::simulate {
 namespace {

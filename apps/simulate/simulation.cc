@@ -1,6 +1,5 @@
 #include "apps/simulate/simulation.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "Eigen/Core"

@@ -5,7 +5,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
@@ -16,7 +15,6 @@
 #include "apps/watch/days.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
-#include "nlohmann/json.hpp"
 
 namespace mle::watch {
 namespace {

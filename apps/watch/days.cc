@@ -5,7 +5,6 @@
 #include <set>
 
 #include "absl/strings/escaping.h"
-#include "absl/strings/string_view.h"
 #include "apps/common/sha256.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -14,9 +12,8 @@
 #include "apps/report/html.h"
 #include "apps/report/number.h"
 #include "apps/report/table.h"
-#include "apps/watch/change_text.h"
 #include "apps/watch/days.h"
-#include "apps/watch/health.h"
+#include "apps/watch/outlook.h"
 #include "apps/watch/proposal.h"
 #include "apps/watch/source.h"
 

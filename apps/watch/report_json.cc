@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "apps/common/command_line.h"
-#include "apps/watch/change_text.h"
 #include "apps/watch/days.h"
+#include "apps/watch/outlook.h"
 #include "apps/watch/page.h"
 #include "apps/watch/proposal.h"
 #include "apps/watch/source.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <system_error>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"

@@ -11,8 +11,8 @@
 #include "apps/common/option_table.h"
 #include "apps/common/sha256.h"
 #include "apps/report/number.h"
-#include "apps/watch/change_text.h"
 #include "apps/watch/days.h"
+#include "apps/watch/outlook.h"
 #include "apps/watch/source.h"
 #include "mle/base/status.h"
 

@@ -5,10 +5,8 @@
 #define APPS_WATCH_UPDATE_H_
 
 #include <string>
-#include <vector>
 
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
 #include "mle/model/process_model.h"

@@ -1,7 +1,5 @@
 #include "mle/base/fast_length.h"
 
-#include <initializer_list>
-
 namespace mle {
 
 int FastLength(int count) {

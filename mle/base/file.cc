@@ -14,7 +14,6 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
-#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"

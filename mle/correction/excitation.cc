@@ -1,7 +1,6 @@
 #include "mle/correction/excitation.h"
 
 #include <cmath>
-#include <cstdint>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/random.h"

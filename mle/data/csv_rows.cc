@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <sstream>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/data/csv_numbers.h"

@@ -6,7 +6,6 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"

@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
 #include "mle/data/sampling.h"
 

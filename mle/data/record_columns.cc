@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -13,7 +12,6 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/nearest_names.h"
-#include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdint>
-#include <map>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -19,7 +17,6 @@
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/record.h"
-#include "mle/data/record_columns.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {

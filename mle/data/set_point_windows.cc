@@ -4,15 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
-#include "mle/data/quiet_part.h"
-#include "mle/data/record.h"
-#include "mle/model/process_model.h"
 
 namespace mle {
 namespace {

@@ -1,6 +1,5 @@
 #include "mle/data/tag_file.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -13,7 +12,6 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/data/csv_format.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_file.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include "Eigen/Eigenvalues"

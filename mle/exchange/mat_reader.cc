@@ -11,7 +11,6 @@
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/exchange/mat_file.h"
-#include "mle/exchange/mat_structure.h"
 #include "mle/exchange/mat_variables.h"
 
 namespace mle {

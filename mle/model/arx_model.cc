@@ -1,7 +1,6 @@
 #include "mle/model/arx_model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "absl/strings/str_cat.h"

@@ -1,11 +1,8 @@
 #include "mle/model/arx_model_json.h"
 
-#include <utility>
-
 #include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/base/version.h"
 #include "mle/model/json_matrix.h"
 #include "mle/model/json_node.h"
 #include "mle/model/json_text.h"

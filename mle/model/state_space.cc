@@ -1,6 +1,5 @@
 #include "mle/model/state_space.h"
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 

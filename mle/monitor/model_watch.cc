@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
 #include "mle/model/process_simulator.h"

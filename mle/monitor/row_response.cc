@@ -4,9 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
-#include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/innovations_filter.h"

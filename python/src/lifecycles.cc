@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
-#include "apps/common/run_again.h"
+#include "apps/common/command_line.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"

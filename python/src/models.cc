@@ -2,15 +2,12 @@
 
 #include "python/src/models.h"
 
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "mle/base/status.h"
 #include "mle/data/sampling.h"
 #include "mle/exchange/state_space_responses.h"
-#include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"

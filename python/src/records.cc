@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/record_options.h"
-#include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/database/record_sources.h"
 #include "mle/maintain/modes.h"

@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "apps/simulate/request.h"
 #include "mle/data/sampling.h"

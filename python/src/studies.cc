@@ -1,16 +1,12 @@
 // mle.study: mle_study's campaign on the threads of this process.
 
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/run_again.h"
+#include "apps/common/command_line.h"
 #include "apps/experiment/study.h"
-#include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "pybind11/stl.h"
 #include "python/src/bindings.h"
