@@ -4,11 +4,11 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "mle/base/file.h"
+#include "mle/base/status.h"
 #include "mle/exchange/model_conversion.h"
 
 namespace mle {
@@ -86,7 +86,7 @@ absl::Status Complete(Request& request, const ModelFile& file) {
   }
   const absl::Status status = to.Validate();
   if (status.ok()) return status;
-  return absl::InvalidArgumentError(absl::StrCat("--", status.message()));
+  return InvalidArgument("--", status.message());
 }
 
 void Print(const Request& request, const ModelFile& file,

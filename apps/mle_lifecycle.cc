@@ -43,12 +43,7 @@ void PrintFindings(const lifecycle::Campaign& campaign,
               << "\n"
               << report::RenderText(lifecycle::ActivityTable(rate)) << "\n";
   }
-  const report::Verdict verdict =
-      lifecycle::VerdictOf(campaign, summaries, valuation);
-  std::cout << verdict.headline << ".\n";
-  for (const std::string& sentence : verdict.sentences) {
-    std::cout << sentence << "\n";
-  }
+  std::cout << lifecycle::VerdictOf(campaign, summaries, valuation).Text();
 }
 
 absl::StatusOr<int> Run(lifecycle::Request& request, OptionTable& table) {

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <string>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
@@ -126,15 +125,12 @@ absl::StatusOr<int> Conclude(const Request& request,
 }
 
 absl::StatusOr<experiment::Study> ReadCampaign(const Request& request) {
-  const absl::StatusOr<std::string> text = ReadFile(request.campaign);
-  if (!text.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--campaign: ", text.status().message()));
-  }
+  MLE_ASSIGN_OR_RETURN(const std::string text,
+                       AboutOption("campaign", ReadFile(request.campaign)));
   const std::size_t slash = request.campaign.rfind('/');
   const std::string folder =
       slash == std::string::npos ? "" : request.campaign.substr(0, slash + 1);
-  return experiment::ReadStudy(*text, request.campaign, folder);
+  return experiment::ReadStudy(text, request.campaign, folder);
 }
 
 absl::StatusOr<int> Run(const Request& request) {

@@ -269,8 +269,7 @@ absl::Status AcknowledgeAlarm(const Request& request) {
   std::error_code error;
   if (!IsDatabase(request.state) &&
       !std::filesystem::exists(request.state, error)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--state: there is no ", request.state));
+    return InvalidArgument("--state: there is no ", request.state);
   }
   MLE_ASSIGN_OR_RETURN(const Acknowledgement made,
                        MakeAcknowledgement(request.acknowledged_by.empty()

@@ -128,10 +128,10 @@ absl::Status CheckShapes(const LinearCoefficients& c, Index paths) {
   const auto shape = [](const MatrixXd& matrix) {
     return absl::StrCat(matrix.rows(), " × ", matrix.cols());
   };
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "the linear system has A ", shape(c.A), ", B ", shape(c.B), ", C ",
       shape(c.C), ", D ", shape(c.D), " and ", paths,
-      " paths; A must be n × n, B n × q, C p × n, D p × q for q paths"));
+      " paths; A must be n × n, B n × q, C p × n, D p × q for q paths");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "apps/report/text.h"
 #include "glog/logging.h"
 #include "mle/base/file.h"
+#include "mle/base/status.h"
 #include "mle/base/version.h"
 
 namespace mle {
@@ -108,21 +109,13 @@ int Fail(const absl::Status& status) {
 }
 
 absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder) {
-  const auto wrong = [](const absl::Status& status) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--out: ", status.message()));
-  };
-  if (const absl::Status made = MakeWritableFolder(folder); !made.ok()) {
-    return wrong(made);
-  }
-  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
-  if (!lock.ok()) return wrong(lock.status());
+  MLE_RETURN_IF_ERROR(AboutOption("out", MakeWritableFolder(folder)));
+  MLE_ASSIGN_OR_RETURN(FolderLock lock,
+                       AboutOption("out", FolderLock::Take(folder)));
   RemoveLeftovers(folder);
-  if (const absl::Status free = CheckNothingInTheWay(
-          folder, {".csv", ".html", ".json", ".mat", ".pdf", ".png", ".svg"});
-      !free.ok()) {
-    return wrong(free);
-  }
+  MLE_RETURN_IF_ERROR(AboutOption(
+      "out", CheckNothingInTheWay(folder, {".csv", ".html", ".json", ".mat",
+                                           ".pdf", ".png", ".svg"})));
   return lock;
 }
 

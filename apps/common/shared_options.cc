@@ -1,8 +1,8 @@
 #include "apps/common/shared_options.h"
 
-#include "absl/strings/str_cat.h"
 #include "apps/report/text.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/status.h"
 
 namespace mle {
 
@@ -58,10 +58,10 @@ absl::Status CheckController(const control::MpcOptions& mpc,
   const absl::Status status =
       mpc.Validate(model.num_outputs(), model.num_inputs());
   if (status.ok()) return status;
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "controller (--prediction_horizon, --control_horizon, --output_weight, "
       "--move_weight, --disturbance_variance_ratio and limits): ",
-      status.message()));
+      status.message());
 }
 
 namespace {
@@ -102,9 +102,8 @@ std::vector<Option> OptionsOf(control::Prices& prices) {
 absl::Status CheckCurrency(const std::string& name) {
   const int width = report::DisplayWidth(report::CleanText(name));
   if (width <= kLongestCurrency) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("is ", width, " characters long; at most ", kLongestCurrency,
-                   " are shown: EUR"));
+  return InvalidArgument("is ", width, " characters long; at most ",
+                         kLongestCurrency, " are shown: EUR");
 }
 
 namespace {

@@ -28,7 +28,6 @@ report::NamedFigure NewFigure(const std::string& name,
   report::NamedFigure named;
   named.name = name;
   named.caption = caption;
-  named.alt = caption;
   named.figure.columns = columns;
   named.figure.width_cm =
       std::clamp(kPanelWidthCm * columns, 2.0 * kPanelWidthCm, kMaxWidthCm);

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
+#include "apps/common/model_files.h"
 #include "apps/common/sha256.h"
-#include "apps/correct/checksum.h"
 #include "apps/correct/figures.h"
 #include "apps/correct/page.h"
 #include "apps/correct/part_of_model.h"
@@ -29,53 +30,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-absl::StatusOr<Json> FileJson(const std::string& path) {
-  MLE_ASSIGN_OR_RETURN(const FileChecksum checksum, ChecksumOf(path));
-  return Json{
-      {"path", path}, {"sha256", checksum.sha256}, {"bytes", checksum.bytes}};
+Json FileJson(const DataFile& file) {
+  return {{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}};
 }
 
 // A model in memory is hashed as the file it would be.
-absl::StatusOr<Json> ModelJson(const Result& result) {
+absl::StatusOr<DataFile> GivenModel(const Result& result) {
   const std::string& path = result.request.model_path;
-  if (!path.empty()) return FileJson(path);
+  if (!path.empty()) return ReadDataFile(path);
   const std::string text = FormatProcessModel(result.initial);
-  return Json{{"path", ""}, {"sha256", Sha256Of(text)}, {"bytes", text.size()}};
+  return DataFile{"", Sha256Of(text), static_cast<std::int64_t>(text.size())};
 }
 
 absl::StatusOr<Json> InputsJson(const Result& result) {
   Json inputs;
-  MLE_ASSIGN_OR_RETURN(inputs["model"], ModelJson(result));
+  MLE_ASSIGN_OR_RETURN(const DataFile model, GivenModel(result));
+  inputs["model"] = FileJson(model);
   if (!result.request.truth_path.empty()) {
-    MLE_ASSIGN_OR_RETURN(inputs["truth"], FileJson(result.request.truth_path));
+    MLE_ASSIGN_OR_RETURN(const DataFile truth,
+                         ReadDataFile(result.request.truth_path));
+    inputs["truth"] = FileJson(truth);
   }
   Json data = Json::array();
   for (const DataFile& file : result.files) {
-    data.push_back(
-        {{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}});
+    data.push_back(FileJson(file));
   }
   inputs["data"] = std::move(data);
   return inputs;
 }
 
-// The columns of one model.
-struct Curve {
-  std::string name;
-  Eigen::MatrixXd values;
-};
-
-std::vector<Curve> CurvesOf(const Result& result) {
-  std::vector<Curve> curves = {{"initial", result.initial_response.values},
-                               {"corrected", result.corrected.response.values}};
+NamedResponses CurvesOf(const Result& result) {
+  NamedResponses curves = {{"initial", result.initial_response.values},
+                           {"corrected", result.corrected.response.values}};
   if (result.true_response.has_value()) {
-    curves.push_back({"true", result.true_response->values});
+    curves.emplace_back("true", result.true_response->values);
   }
   if (result.corrected.errors.has_value()) {
     const Eigen::MatrixXd half_width =
         BandFactor(result) * result.corrected.errors->values;
     const Eigen::MatrixXd& middle = result.corrected.response.values;
-    curves.push_back({"corrected_lower", middle - half_width});
-    curves.push_back({"corrected_upper", middle + half_width});
+    curves.emplace_back("corrected_lower", middle - half_width);
+    curves.emplace_back("corrected_upper", middle + half_width);
   }
   return curves;
 }
@@ -116,34 +111,8 @@ std::string FormatArx(const ArxModel& model, const ProcessModel& channels) {
 }
 
 std::string FormatStepResponses(const Result& result) {
-  const ProcessModel& model = result.initial;
-  const std::vector<Curve> curves = CurvesOf(result);
-  std::string csv = "time";
-  for (const Curve& curve : curves) {
-    for (const OutputChannel& output : model.outputs()) {
-      for (const InputChannel& input : model.inputs()) {
-        absl::StrAppend(&csv, ",",
-                        QuoteCsvField(absl::StrCat(output.name, "/", input.name,
-                                                   " ", curve.name)));
-      }
-    }
-  }
-  csv += '\n';
-  for (int k = 0; k < result.initial_response.samples(); ++k) {
-    absl::StrAppendFormat(&csv, "%.12g",
-                          k * result.initial_response.sample_time);
-    for (const Curve& curve : curves) {
-      for (const double value : curve.values.row(k)) {
-        if (std::isfinite(value)) {
-          absl::StrAppendFormat(&csv, ",%.12g", value);
-        } else {
-          csv += ',';  // not determined
-        }
-      }
-    }
-    csv += '\n';
-  }
-  return csv;
+  return mle::FormatStepResponses(
+      result.initial, result.initial_response.sample_time, CurvesOf(result));
 }
 
 namespace {

@@ -20,25 +20,24 @@ namespace {
 TextValue ForEachFile(
     std::vector<ClockOptions>* clocks, std::string text,
     const std::function<absl::Status(const std::string&, ClockOptions&)>& set) {
-  TextValue value;
-  value.text = std::move(text);
-  value.read = [=](const std::string& given, const NumberRange&) {
-    std::vector<std::string> values = ParseList(given);
-    if (values.empty()) values.emplace_back();
-    if (clocks->empty()) clocks->resize(1);
-    if (clocks->size() == 1) clocks->resize(values.size(), clocks->front());
-    if (values.size() > 1 && values.size() != clocks->size()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "there are ", values.size(), " values, where another ",
-          "option has one for each of ", clocks->size(), " files"));
-    }
-    for (std::size_t f = 0; f < clocks->size(); ++f) {
-      MLE_RETURN_IF_ERROR(
-          set(values[std::min(f, values.size() - 1)], (*clocks)[f]));
-    }
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = std::move(text),
+          .read = [=](const std::string& given, const NumberRange&) {
+            std::vector<std::string> values = ParseList(given);
+            if (values.empty()) values.emplace_back();
+            if (clocks->empty()) clocks->resize(1);
+            if (clocks->size() == 1)
+              clocks->resize(values.size(), clocks->front());
+            if (values.size() > 1 && values.size() != clocks->size()) {
+              return InvalidArgument(
+                  "there are ", values.size(), " values, where another ",
+                  "option has one for each of ", clocks->size(), " files");
+            }
+            for (std::size_t f = 0; f < clocks->size(); ++f) {
+              MLE_RETURN_IF_ERROR(
+                  set(values[std::min(f, values.size() - 1)], (*clocks)[f]));
+            }
+            return absl::OkStatus();
+          }};
 }
 
 TextValue ForEachFile(std::vector<ClockOptions>* clocks,
@@ -60,9 +59,8 @@ absl::Status SetTimeFormat(const std::string& text, ClockOptions& clock) {
     return absl::OkStatus();
   }
   if (text.find('%') == std::string::npos) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("choose from ", absl::StrJoin(names, ", "),
-                     ", and a form such as '%d.%m.%Y %H:%M'"));
+    return InvalidArgument("choose from ", absl::StrJoin(names, ", "),
+                           ", and a form such as '%d.%m.%Y %H:%M'");
   }
   MLE_RETURN_IF_ERROR(TimePattern::Create(text).status());
   clock.format = TimeFormat::kPattern;
@@ -83,8 +81,7 @@ TextValue TimeFormatOf(std::vector<ClockOptions>* clocks) {
 // Numbers, and other texts that have a digit and a colon, as dates have.
 TextValue TimesOrDates(std::vector<double>* times,
                        std::vector<std::string>* dates) {
-  TextValue value;
-  value.read = [=](const std::string& given, const NumberRange&) {
+  return {.read = [=](const std::string& given, const NumberRange&) {
     times->clear();
     dates->clear();
     for (const std::string& part : ParseList(given)) {
@@ -94,21 +91,19 @@ TextValue TimesOrDates(std::vector<double>* times,
       } else if (part.find(':') != std::string::npos) {
         dates->push_back(part);
       } else {
-        return absl::InvalidArgumentError(
-            absl::StrCat("'", part,
-                         "' is not a number, nor a date such as 2024-02-29 "
-                         "12:34"));
+        return InvalidArgument(
+            "'", part,
+            "' is not a number, nor a date such as 2024-02-29 "
+            "12:34");
       }
     }
     return absl::OkStatus();
-  };
-  return value;
+  }};
 }
 
 // TAG or TAG=CHANNEL, separated by commas.
 TextValue ModeTags(std::vector<ModeTag>* modes) {
-  TextValue value;
-  value.read = [modes](const std::string& given, const NumberRange&) {
+  return {.read = [modes](const std::string& given, const NumberRange&) {
     modes->clear();
     for (const std::string& part : ParseList(given)) {
       const std::size_t equals = part.rfind('=');
@@ -116,13 +111,11 @@ TextValue ModeTags(std::vector<ModeTag>* modes) {
       mode.tag = part.substr(0, equals);
       if (equals != std::string::npos) mode.channel = part.substr(equals + 1);
       if (mode.tag.empty()) {
-        return absl::InvalidArgumentError(
-            absl::StrCat("'", part, "' is neither TAG nor TAG=CHANNEL"));
+        return InvalidArgument("'", part, "' is neither TAG nor TAG=CHANNEL");
       }
     }
     return absl::OkStatus();
-  };
-  return value;
+  }};
 }
 
 bool IsColumnOf(const ProcessModel& model, const std::string& name) {
@@ -343,13 +336,10 @@ absl::Status ParseTags(const std::vector<std::string>& tags,
                        const std::string& tag_file, const ProcessModel& model,
                        ColumnOptions& columns) {
   if (!tag_file.empty()) {
-    absl::StatusOr<TagTable> mapped = ReadTagFile(tag_file, model);
-    if (!mapped.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--tag_file: ", mapped.status().message()));
-    }
-    columns.tags = std::move(mapped->tags);
-    columns.unused_tags = std::move(mapped->unused);
+    MLE_ASSIGN_OR_RETURN(TagTable mapped,
+                         AboutOption("tag_file", ReadTagFile(tag_file, model)));
+    columns.tags = std::move(mapped.tags);
+    columns.unused_tags = std::move(mapped.unused);
   }
   for (const std::string& text : tags) {
     MLE_ASSIGN_OR_RETURN(TagMapping mapping, ParseTag(text, model));

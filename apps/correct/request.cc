@@ -3,7 +3,6 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "apps/common/shared_options.h"
@@ -65,9 +64,8 @@ absl::Status ReadModels(Request& request) {
         "--model=FILE.json (or .csv) and --data=A.csv,B.csv must be given (see "
         "--help)");
   }
-  absl::StatusOr<ModelFile> file = ReadModelFile(request.model_path);
-  if (!file.ok()) return AboutOption("model", file.status());
-  request.model_file = *std::move(file);
+  MLE_ASSIGN_OR_RETURN(request.model_file,
+                       AboutOption("model", ReadModelFile(request.model_path)));
   request.model = request.model_file.process;
   MLE_RETURN_IF_ERROR(
       CheckMoves(request.model, request.model_path, "nothing to correct"));
@@ -82,17 +80,15 @@ absl::Status CheckOutput(const Request& request) {
   if (!request.json || (!request.dry_run && request.propose_tags.empty())) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("--json: there is no result.json with ",
-                   request.dry_run ? "--dry_run" : "--propose_tags"));
+  return InvalidArgument("--json: there is no result.json with ",
+                         request.dry_run ? "--dry_run" : "--propose_tags");
 }
 
 absl::Status CheckDataPaths(const std::vector<std::string>& paths) {
   std::set<std::string> seen;
   for (const std::string& path : paths) {
     if (!seen.insert(path).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--data: '", path, "' is named twice"));
+      return InvalidArgument("--data: '", path, "' is named twice");
     }
   }
   return absl::OkStatus();
@@ -147,13 +143,11 @@ absl::Status CompleteForModel(Request& request, OptionTable& table) {
   }
   if (const absl::Status status = request.import.Validate(request.model);
       !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("options of the records: ", status.message()));
+    return InvalidArgument("options of the records: ", status.message());
   }
   if (const absl::Status status = request.options.records.Validate();
       !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("options of the windows: ", status.message()));
+    return InvalidArgument("options of the windows: ", status.message());
   }
   EstimationOptions& estimation = request.options.estimation;
   estimation.calibration.seed = estimation.conversion.seed;

@@ -3,6 +3,7 @@
 #ifndef APPS_CORRECT_RESULT_H_
 #define APPS_CORRECT_RESULT_H_
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,13 +12,27 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/correct/data_sources.h"
-#include "apps/correct/finding.h"
 #include "apps/correct/loop_comparison.h"
 #include "apps/correct/request.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/step_response.h"
 
 namespace mle::correct {
+
+// One thing that a run found out. Console, page and result.json show the same
+// list of them.
+struct Finding {
+  std::string name;  // "gain", "response_change", "fit_percent"
+  std::string place;  // "overhead ← reflux", "overhead"; empty: the whole model
+  double value = std::numeric_limits<double>::quiet_NaN();  // NaN: has none
+  std::string unit;
+  double lower = std::numeric_limits<double>::quiet_NaN();  // its interval
+  double upper = std::numeric_limits<double>::quiet_NaN();
+  std::string text;  // a whole sentence; empty: part of the one before
+};
+
+// The texts that are there.
+std::vector<std::string> Sentences(const std::vector<Finding>& findings);
 
 // How to tune the controller for the corrected model.
 struct Tuning {

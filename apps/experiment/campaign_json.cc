@@ -55,12 +55,9 @@ absl::Status ReadIn(const JsonNode& node, const std::string& key,
   MLE_ASSIGN_OR_RETURN(std::string path, node.At(key).Text());
   const bool relative = path.rfind('/', 0) != 0;
   if (relative && !folder.empty()) path = absl::StrCat(folder, "/", path);
-  absl::StatusOr<ParsedJson> content = read(path);
-  if (!content.ok()) {
-    return node.At(key).Fault(std::string(content.status().message()));
-  }
+  MLE_ASSIGN_OR_RETURN(ParsedJson content, node.At(key).Check(read(path)));
   entry.erase(key);
-  entry[new_key] = *std::move(content);
+  entry[new_key] = std::move(content);
   return absl::OkStatus();
 }
 
@@ -80,8 +77,8 @@ absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
     if (!entries[i].json().is_object() || !entries[i].Has(key)) continue;
     if (key == new_key && !entries[i].At(key).json().is_string()) continue;
     if (key != new_key && entries[i].Has(new_key)) {
-      return entries[i].Fault(absl::StrCat("has ", key, " and ", new_key,
-                                           "; only one is possible"));
+      return entries[i].Fault("has ", key, " and ", new_key,
+                              "; only one is possible");
     }
     MLE_RETURN_IF_ERROR(
         ReadIn(entries[i], key, new_key, folder, read, resolved[list][i]));
@@ -113,7 +110,7 @@ absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
 }
 
 absl::Status Unknown(const JsonNode& node, absl::string_view known) {
-  return node.Fault(absl::StrCat("is ", node.Found(), "; ", known));
+  return node.Fault("is ", node.Found(), "; ", known);
 }
 
 // A name from a table, into the field that `value` binds.
@@ -188,9 +185,7 @@ absl::StatusOr<Eigen::VectorXd> ParseLambdaGrid(const JsonNode& node) {
     MLE_RETURN_IF_ERROR(node.CheckKeys({"max", "step"}, {}));
     MLE_ASSIGN_OR_RETURN(const double max, node.At("max").Number(kPositive));
     MLE_ASSIGN_OR_RETURN(const double step, node.At("step").Number(kPositive));
-    absl::StatusOr<Eigen::VectorXd> grid = MakeLambdaGrid(max, step);
-    if (grid.ok()) return grid;
-    return node.Fault(std::string(grid.status().message()));
+    return node.Check(MakeLambdaGrid(max, step));
   }
   MLE_RETURN_IF_ERROR(node.CheckKeys({"min", "max", "count"}, {}));
   MLE_ASSIGN_OR_RETURN(const double min, node.At("min").Number(kPositive));
@@ -257,7 +252,7 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
   MLE_ASSIGN_OR_RETURN(const ParsedJson json, ParseStrictJson(text, source));
   const JsonNode node(json, source);
   if (!json.is_object()) {
-    return node.Fault(absl::StrCat("must be an object, is ", node.Found()));
+    return node.Fault("must be an object, is ", node.Found());
   }
   ParsedJson resolved = json;
   MLE_RETURN_IF_ERROR(ReadInList(node, "models", "file", "model", folder,

@@ -246,9 +246,7 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
   for (NamedFigure& figure :
        std::vector<NamedFigure>{SweepFigure(campaign, summary),
                                 DistributionFigure(campaign, groups)}) {
-    if (figure.figure.panels.empty()) continue;
-    figure.alt = figure.caption;
-    figures.push_back(std::move(figure));
+    if (!figure.figure.panels.empty()) figures.push_back(std::move(figure));
   }
   return figures;
 }

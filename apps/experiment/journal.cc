@@ -29,8 +29,7 @@ absl::Status FileError(const std::string& path, const char* what) {
 
 absl::Status BadLine(const std::string& path, std::int64_t number,
                      std::string_view what) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ":", number, ": ", std::string(what)));
+  return InvalidArgument(path, ":", number, ": ", std::string(what));
 }
 
 std::string ColumnsOf(const JournalHead& head) {
@@ -69,10 +68,10 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
   struct stat there = {};
   const bool exists = stat(path.c_str(), &there) == 0 && there.st_size > 0;
   if (exists && !resume) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path,
-                     ": there is a campaign in this folder already: resume it "
-                     "with --resume, or use another folder"));
+    return InvalidArgument(
+        path,
+        ": there is a campaign in this folder already: resume it "
+        "with --resume, or use another folder");
   }
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) return FileError(path, "cannot be opened");

@@ -53,8 +53,7 @@ absl::Status CheckLoop(const ExperimentOptions& options,
   const absl::Status created =
       control::Mpc::Create(initial, controller).status();
   if (created.ok()) return created;
-  return absl::InvalidArgumentError(
-      absl::StrCat("controller: ", created.message()));
+  return InvalidArgument("controller: ", created.message());
 }
 
 absl::Status CheckRows(const ExperimentOptions& options,
@@ -159,21 +158,19 @@ constexpr double kMaxChanges = 1000;
 
 // "1" stands for an interval of one value, where that is possible.
 TextValue IntervalOf(Interval* interval, bool one_value) {
-  TextValue value;
-  value.read = [=](const std::string& text, const NumberRange& range) {
+  return {.read = [=](const std::string& text, const NumberRange& range) {
     MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd ends, ParseNumbers(text, range));
     if (ends.size() != 2 && !(one_value && ends.size() == 1)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("must be ", one_value ? "a number or " : "",
-                       "a list of two numbers, the smallest and the largest"));
+      return InvalidArgument(
+          "must be ", one_value ? "a number or " : "",
+          "a list of two numbers, the smallest and the largest");
     }
     *interval = {ends(0), ends(ends.size() - 1)};
     if (interval->from <= interval->to) return absl::OkStatus();
     return absl::InvalidArgumentError(
         absl::StrFormat("the smallest value comes first, but %g is above %g",
                         interval->from, interval->to));
-  };
-  return value;
+  }};
 }
 
 }  // namespace

@@ -145,11 +145,7 @@ void PrintSummary(const Campaign& campaign, const StudySummary& summary) {
     std::cout << "… and " << summary.cells.size() - kRowsPrinted
               << " more cells, in summary.csv\n\n";
   }
-  const report::Verdict verdict = VerdictOf(campaign, summary);
-  std::cout << verdict.headline << ".\n";
-  for (const std::string& sentence : verdict.sentences) {
-    std::cout << sentence << "\n";
-  }
+  std::cout << VerdictOf(campaign, summary).Text();
 }
 
 }  // namespace mle::experiment

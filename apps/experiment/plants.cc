@@ -5,7 +5,6 @@
 
 #include "Eigen/Core"
 #include "Eigen/SVD"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
@@ -91,14 +90,14 @@ absl::Status CheckChange(const ProcessModel& model, const Change& change,
                          double size) {
   const std::vector<Pair> pairs = MatchingElements(model, change);
   if (pairs.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("a change of output '", change.output, "' and input '",
-                     change.input, "' matches no element that is not zero"));
+    return InvalidArgument("a change of output '", change.output,
+                           "' and input '", change.input,
+                           "' matches no element that is not zero");
   }
   if (change.elements > static_cast<int>(pairs.size())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("a change of ", change.elements, " elements matches only ",
-                     pairs.size(), " that are not zero"));
+    return InvalidArgument("a change of ", change.elements,
+                           " elements matches only ", pairs.size(),
+                           " that are not zero");
   }
   const double shift =
       std::min(size * change.delay_shift.from, size * change.delay_shift.to);

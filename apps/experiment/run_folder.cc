@@ -127,11 +127,8 @@ absl::Status RunFolder::TakeParts(const Work& work) {
     parts.insert(entry.path().string());
   }
   for (const std::string& path : parts) {
-    const absl::StatusOr<FolderLock> lock = FolderLock::Take(path);
-    if (!lock.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--out: ", lock.status().message()));
-    }
+    MLE_ASSIGN_OR_RETURN(const FolderLock lock,
+                         AboutOption("out", FolderLock::Take(path)));
     MLE_ASSIGN_OR_RETURN(const std::unique_ptr<Journal> part,
                          Journal::Open(absl::StrCat(path, "/", work.file),
                                        work.head, /*resume=*/true));

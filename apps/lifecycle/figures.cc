@@ -257,14 +257,9 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
                                      const std::vector<RateSummary>& summaries,
                                      const Valuation& valuation) {
   const RateSummary& nominal = NominalRate(summaries);
-  std::vector<NamedFigure> figures = {
-      CostFigure(nominal, valuation.currency),
-      TimeFigure(campaign, lives[&nominal - summaries.data()], nominal.rate,
-                 valuation)};
-  for (NamedFigure& figure : figures) {
-    if (figure.alt.empty()) figure.alt = figure.caption;
-  }
-  return figures;
+  return {CostFigure(nominal, valuation.currency),
+          TimeFigure(campaign, lives[&nominal - summaries.data()], nominal.rate,
+                     valuation)};
 }
 
 }  // namespace mle::lifecycle

@@ -127,9 +127,9 @@ absl::Status OperationOptions::Validate(const ProcessModel& model) const {
   MLE_RETURN_IF_ERROR(sim::CheckPositive("quiet_stretch", quiet_stretch));
   MLE_RETURN_IF_ERROR(sim::CheckNotNegative("warm_up", warm_up));
   if (before > Lead()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "before = ", before, ", but only quiet_stretch + warm_up = ", Lead(),
-        " are simulated before a change"));
+    return InvalidArgument("before = ", before,
+                           ", but only quiet_stretch + warm_up = ", Lead(),
+                           " are simulated before a change");
   }
   return controller.Validate(model.num_outputs(), model.num_inputs());
 }

@@ -130,9 +130,9 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name) {
   for (const auto& [value, known] : kNames) {
     if (known == name) return value;
   }
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "there is no outcome '", std::string(name),
-      "'; choose from none, no change, updated, refused and reverted"));
+      "'; choose from none, no change, updated, refused and reverted");
 }
 
 CorrectOptions UpdateOptions::SimulatedRecords() {

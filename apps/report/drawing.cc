@@ -39,8 +39,8 @@ absl::StatusOr<std::string> ConvertSvg(std::string_view svg, Format format,
                                        const ConvertOptions& options) {
   const double dots = options.png_dots_per_inch;
   if (!(dots >= 30.0 && dots <= 1200.0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "png_dots_per_inch is ", dots, "; it must lie in [30, 1200]"));
+    return InvalidArgument("png_dots_per_inch is ", dots,
+                           "; it must lie in [30, 1200]");
   }
   std::vector<std::string> arguments = {"--format=pdf"};
   if (format == Format::kPng) {
@@ -78,8 +78,9 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
                                      const ConvertOptions& options) {
   std::vector<DrawnFigure> drawn(figures.size());
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    drawn[i].named = std::move(figures[i]);
-    const NamedFigure& named = drawn[i].named;
+    NamedFigure& named = drawn[i].named;
+    named = std::move(figures[i]);
+    if (named.alt.empty()) named.alt = named.caption;
     drawn[i].svg = SvgFile(named.figure, named.caption, named.alt);
   }
   constexpr std::array kFormats = {Format::kPng, Format::kPdf};

@@ -36,7 +36,8 @@ absl::StatusOr<std::string> ConvertSvg(std::string_view svg, Format format,
 struct NamedFigure {
   std::string name;     // of its files, without extension
   std::string caption;  // says what is shown, in a page
-  std::string alt;      // the same to those who cannot see it
+  // The same to those who cannot see it; empty: the caption.
+  std::string alt;
   Figure figure;
 };
 

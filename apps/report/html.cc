@@ -52,15 +52,8 @@ std::string RenderChoice(const Table& table) {
 }
 
 std::string_view TypeOf(Form::Field::Kind kind) {
-  switch (kind) {
-    case Form::Field::Kind::kPassword:
-      return "password";
-    case Form::Field::Kind::kHidden:
-      return "hidden";
-    case Form::Field::Kind::kText:
-      break;
-  }
-  return "text";
+  constexpr std::string_view kTypes[] = {"text", "password", "hidden"};
+  return kTypes[static_cast<int>(kind)];
 }
 
 std::string RenderField(const Form::Field& field) {
@@ -144,15 +137,8 @@ constexpr std::string_view kCopy =
     "say(document.execCommand('copy')?'Copied':'Selected: press Ctrl+C')})";
 
 std::string_view BadgeName(Badge badge) {
-  switch (badge) {
-    case Badge::kGood:
-      return "good";
-    case Badge::kChanged:
-      return "changed";
-    case Badge::kUnknown:
-      break;
-  }
-  return "unknown";
+  constexpr std::string_view kNames[] = {"good", "changed", "unknown"};
+  return kNames[static_cast<int>(badge)];
 }
 
 std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
@@ -215,6 +201,12 @@ Figure InOneColumn(Figure figure) {
 }
 
 }  // namespace
+
+std::string Verdict::Text() const {
+  std::string text = headline + ".\n";
+  for (const std::string& sentence : sentences) text += sentence + "\n";
+  return text;
+}
 
 HtmlPage::HtmlPage(std::string title) : title_(std::move(title)) {}
 

@@ -65,6 +65,9 @@ struct Verdict {
   std::string label = {};  // in the badge: "corrected"
   std::string headline = {};
   std::vector<std::string> sentences = {};
+
+  // Headline and sentences, a line each.
+  std::string Text() const;
 };
 
 class HtmlPage {

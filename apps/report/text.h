@@ -43,6 +43,17 @@ int DisplayWidth(std::string_view text);
 // arguments: {"mle_correct", "--out=my dir"} gives mle_correct '--out=my dir'.
 std::string QuoteCommandLine(const std::vector<std::string>& arguments);
 
+// The font of the figures, and how wide text is in it.
+inline constexpr char kFont[] = "DejaVu Sans";
+
+// In units of the font size; characters beyond ASCII are taken a little wider
+// than they are.
+double TextWidth(std::string_view text);
+
+// CleanText(text), cut and ended with "…" where it is wider than `width` (in
+// units of the font size).
+std::string Ellipsized(std::string_view text, double width);
+
 }  // namespace mle::report
 
 #endif  // APPS_REPORT_TEXT_H_

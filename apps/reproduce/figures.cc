@@ -47,7 +47,6 @@ NamedFigure DistanceFigure(const std::vector<CaseResult>& cases,
       "Squared distance E of the step responses over the penalty λ, first "
       "seed. "
       "The line is the model before correction.";
-  named.alt = named.caption;
   Figure& figure = named.figure;
   figure.columns = std::min(static_cast<int>(cases.size()), 2);
   const int rows =
@@ -86,7 +85,6 @@ NamedFigure OverviewFigure(const std::vector<CaseResult>& cases,
       "before correction and corrected from closed-loop records. Right: "
       "squared "
       "distance E of all step responses over the penalty λ.";
-  named.alt = named.caption;
   Figure& figure = named.figure;
   figure.columns = 2;
   figure.width_cm = 2.0 * kColumnWidthCm;
@@ -156,7 +154,6 @@ NamedFigure StepFigure(const CaseResult& result) {
                    ": step responses of the plant, of the model before "
                    "correction, corrected "
                    "with λ*, and corrected without penalty, first seed.");
-  named.alt = named.caption;
   named.figure = PairGrid(
       result, "step response",
       {{Role::kTrue, "true plant", result.truth.values},
@@ -174,7 +171,6 @@ NamedFigure ImpulseFigure(const CaseResult& result) {
       absl::StrCat("Case ", result.name,
                    ": impulse responses of the plant, of the model before "
                    "correction and corrected with λ*, first seed.");
-  named.alt = named.caption;
   named.figure = PairGrid(
       result, "impulse response",
       {{Role::kTrue, "true plant", ImpulseResponses(result.truth)},
@@ -218,7 +214,6 @@ NamedFigure ClosedLoopFigure(const CaseResult& result) {
       "Case ", result.name,
       ": the aged plant under control, without noise, by the model in the "
       "controller; a column for each set point that is changed, first seed.");
-  named.alt = named.caption;
   Figure& figure = named.figure;
   figure.columns = p;
   figure.width_cm = std::clamp(kColumnWidthCm * p, 12.0, 60.0);

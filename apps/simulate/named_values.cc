@@ -7,13 +7,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/option_values.h"
+#include "mle/base/status.h"
 
 namespace mle::simulate {
 namespace {
 
 absl::Status Wrong(std::string_view flag, const std::string& message) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", std::string(flag), ": ", message));
+  return InvalidArgument("--", std::string(flag), ": ", message);
 }
 
 bool ReadFinite(const std::string& text, double& number) {

@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/model_files.h"
 #include "apps/common/shared_options.h"
@@ -154,18 +153,19 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
   }
   sim::VanDeVusseOptions reactor{.feed = operating[0], .heat = operating[1]};
   if (!request.ageing_path.empty()) {
-    absl::StatusOr<sim::ReactorAgeing> ageing =
-        sim::ReadReactorAgeing(request.ageing_path);
-    if (!ageing.ok()) return AboutOption("ageing", ageing.status());
-    reactor.activity = std::move(ageing->activity);
-    reactor.heat_transfer = std::move(ageing->heat_transfer);
+    MLE_ASSIGN_OR_RETURN(
+        sim::ReactorAgeing ageing,
+        AboutOption("ageing", sim::ReadReactorAgeing(request.ageing_path)));
+    reactor.activity = std::move(ageing.activity);
+    reactor.heat_transfer = std::move(ageing.heat_transfer);
   }
-  absl::StatusOr<sim::ContinuousSystem> system =
-      sim::MakeVanDeVusseReactor(reactor, request.age);
-  if (!system.ok()) return AboutOption("operating_inputs", system.status());
+  MLE_ASSIGN_OR_RETURN(
+      sim::ContinuousSystem system,
+      AboutOption("operating_inputs",
+                  sim::MakeVanDeVusseReactor(reactor, request.age)));
   MLE_ASSIGN_OR_RETURN(sim::ContinuousPlant plant,
                        sim::ContinuousPlant::Create(
-                           *std::move(system),
+                           std::move(system),
                            {.sample_time = request.simulation.loop.sample_time,
                             .start_time = request.age}));
   return std::make_unique<sim::ContinuousPlant>(std::move(plant));
@@ -186,10 +186,9 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(
   }
   sim::AgeingSchedule ageing;
   if (!request.ageing_path.empty()) {
-    absl::StatusOr<sim::AgeingSchedule> read =
-        sim::ReadAgeingSchedule(request.ageing_path, plant);
-    if (!read.ok()) return AboutOption("ageing", read.status());
-    ageing = *std::move(read);
+    MLE_ASSIGN_OR_RETURN(
+        ageing, AboutOption("ageing", sim::ReadAgeingSchedule(
+                                          request.ageing_path, plant)));
   }
   MLE_ASSIGN_OR_RETURN(sim::AgeingPlant ageing_plant,
                        sim::AgeingPlant::Create(
@@ -206,10 +205,10 @@ absl::Status ReadSteps(const Request& request, Simulation& simulation) {
                                        NamesOf(model.outputs())));
   for (const NamedStep& step : set_points) {
     if (!(step.time <= simulation.loop.duration)) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "--setpoints: a step of '", model.outputs()[step.channel].name,
           "' at ", step.time, " comes after the end of the run, --duration=",
-          simulation.loop.duration));
+          simulation.loop.duration);
     }
     simulation.set_points.steps.push_back(
         {step.channel, step.time, step.value});
@@ -226,14 +225,15 @@ absl::Status ReadSteps(const Request& request, Simulation& simulation) {
 
 absl::Status ReadEffects(const Request& request, Simulation& simulation) {
   if (request.effects_path.empty()) return absl::OkStatus();
-  const absl::StatusOr<sim::Effects> effects =
-      sim::ReadEffects(request.effects_path, simulation.model);
-  if (!effects.ok()) return AboutOption("effects", effects.status());
-  effects->AddTo(simulation.conditions);
+  MLE_ASSIGN_OR_RETURN(
+      const sim::Effects effects,
+      AboutOption("effects",
+                  sim::ReadEffects(request.effects_path, simulation.model)));
+  effects.AddTo(simulation.conditions);
   const sim::ClosedLoopOptions& loop = simulation.loop;
-  const absl::Status added = effects->AddTo(
-      simulation.set_points, loop.duration, loop.seed, loop.stream);
-  return added.ok() ? added : AboutOption("effects", added);
+  return AboutOption(
+      "effects", effects.AddTo(simulation.set_points, loop.duration, loop.seed,
+                               loop.stream));
 }
 
 }  // namespace

@@ -100,8 +100,7 @@ void AddAlarmMetrics(const std::vector<Report>& reports, Metrics& metrics) {
   }
   metrics.Begin("undelivered_alarms",
                 "Alarms that a channel has not taken yet.");
-  for (const Channel channel :
-       {Channel::kCommand, Channel::kMail, Channel::kWebhook}) {
+  for (const Channel channel : kChannels) {
     int count = 0;
     for (const Report& report : reports) {
       for (const Alarm& alarm : report.watch->alarms) {

@@ -93,9 +93,10 @@ void AddAlarmSentences(const std::vector<Report>& reports,
   for (const Report& report : reports) {
     open += CountOpen(report.watch->alarms);
     for (const Alarm& alarm : report.watch->alarms) {
-      undelivered += IsUndelivered(alarm, Channel::kCommand) ||
-                             IsUndelivered(alarm, Channel::kMail) ||
-                             IsUndelivered(alarm, Channel::kWebhook)
+      undelivered += std::any_of(std::begin(kChannels), std::end(kChannels),
+                                 [&](Channel channel) {
+                                   return IsUndelivered(alarm, channel);
+                                 })
                          ? 1
                          : 0;
     }

@@ -26,6 +26,7 @@
 #include "apps/watch/report_json.h"
 #include "apps/watch/source.h"
 #include "mle/base/absl_view.h"
+#include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/time_format.h"
 #include "mle/model/json_text.h"
@@ -195,8 +196,8 @@ absl::StatusOr<int> DayFrom(const serve::Request& request,
   const auto civil =
       ReadCivilTime(absl::StrCat(text, "T00:00:00"), FormOf(TimeFormat::kIso));
   if (text.size() != 10 || !civil.has_value()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        name, "=", report::CleanText(text), " is not a day as 2024-02-29"));
+    return InvalidArgument(name, "=", report::CleanText(text),
+                           " is not a day as 2024-02-29");
   }
   return static_cast<int>(SecondsSinceEpoch(*civil) / kSecondsOfDay);
 }

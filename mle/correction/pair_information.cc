@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "Eigen/LU"
-#include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
@@ -129,9 +128,9 @@ void DescribeInputs(const std::vector<Record>& windows,
 
 absl::Status InformationOptions::Validate() const {
   if (!(informed > 0.0) || !(weak >= informed)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "information: informed is ", informed, " and weak ", weak,
-        "; they must be positive, and the second not below the first"));
+        "; they must be positive, and the second not below the first");
   }
   return output_error.Validate();
 }

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "Eigen/Cholesky"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/parallel.h"
@@ -360,9 +359,8 @@ absl::StatusOr<Description> Describe(const StepResponseModel& model) {
   for (int p = 0; p < pairs; ++p) {
     const PairResponse& pair = model.pairs[p];
     if (!fits[p].ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(PairName(model.channels, pair.output, pair.input), ": ",
-                       fits[p].status().message()));
+      return InvalidArgument(PairName(model.channels, pair.output, pair.input),
+                             ": ", fits[p].status().message());
     }
     PairDescription found = fits[p]->found;
     found.output = pair.output;

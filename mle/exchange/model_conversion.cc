@@ -259,10 +259,10 @@ absl::Status Converter::ToStepResponses() {
                   [](const PairResponse& pair) {
                     return pair.coefficients.isZero(0.0);
                   })) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "no output moves within ", steps.length(), " coefficients every ",
         steps.interval, " ", model_.time_unit(),
-        ": more coefficients or a longer interval must cover the dead times"));
+        ": more coefficients or a longer interval must cover the dead times");
   }
   MLE_RETURN_IF_ERROR(steps.Validate());
   result_.interval = steps.interval;
@@ -280,13 +280,13 @@ absl::Status Converter::CheckText() const {
   if (to_.type == ModelFileType::kMat) return absl::OkStatus();
   const absl::StatusOr<ModelFile> read = ParseModelFile(result_.text, "it");
   if (!read.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the model in this form",
-        result_.interval > 0.0 ? absl::StrCat(", every ", result_.interval, " ",
+    return InvalidArgument("the model in this form",
+                           result_.interval > 0.0
+                               ? absl::StrCat(", every ", result_.interval, " ",
                                               model_.time_unit(), ",")
                                : "",
-        " could not be read again: ",
-        absl::StripPrefix(read.status().message(), "it: ")));
+                           " could not be read again: ",
+                           absl::StripPrefix(read.status().message(), "it: "));
   }
   const auto same = [](const auto& ours, const auto& theirs) {
     return ours.name == theirs.name && ours.unit == theirs.unit;
@@ -361,9 +361,9 @@ absl::StatusOr<ConvertedModel> Converter::Convert() {
     return std::move(result_);
   }
   if (to_.form != ModelForm::kTransferFunctions && !HasElements()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the model has no elements: there is nothing to write as ",
-                     std::string(NameOf(to_.form))));
+    return InvalidArgument(
+        "the model has no elements: there is nothing to write as ",
+        std::string(NameOf(to_.form)));
   }
   switch (to_.form) {
     case ModelForm::kTransferFunctions:
@@ -397,25 +397,25 @@ std::optional<ModelForm> ModelFormOf(std::string_view name) {
 
 absl::Status ModelConversion::Validate() const {
   if (!(interval >= 0.0) || !std::isfinite(interval)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "interval=", interval, ", must be finite and not negative"));
+    return InvalidArgument("interval=", interval,
+                           ", must be finite and not negative");
   }
   if (coefficients != 0 && (coefficients < kFewestCoefficients ||
                             coefficients > kMostCoefficients)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("coefficients=", coefficients, ", must be 0 or from ",
-                     kFewestCoefficients, " to ", kMostCoefficients));
+    return InvalidArgument("coefficients=", coefficients,
+                           ", must be 0 or from ", kFewestCoefficients, " to ",
+                           kMostCoefficients);
   }
   if (!(tolerance > 0.0) || !(tolerance < 1.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("tolerance=", tolerance, ", must be between 0 and 1"));
+    return InvalidArgument("tolerance=", tolerance,
+                           ", must be between 0 and 1");
   }
   if (Holds(type, form)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "form=", std::string(NameOf(form)),
       ": a file of this type does not "
       "hold it; .json holds all forms but element_table, .csv element_table "
-      "and step_responses, .mat transfer_functions and step_responses"));
+      "and step_responses, .mat transfer_functions and step_responses");
 }
 
 absl::StatusOr<ConvertedModel> ConvertModel(const ModelFile& file,

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/exchange/element_table.h"
 #include "mle/model/held_response.h"
@@ -32,8 +31,8 @@ absl::Status AddPart(const ProcessModel& model, int i, int j,
   const absl::StatusOr<HeldResponse> held =
       HeldResponse::Create(g, sample_time);
   if (!held.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(PairName(model, i, j), ": ", held.status().message()));
+    return InvalidArgument(PairName(model, i, j), ": ",
+                           held.status().message());
   }
   Part part{.output = i,
             .input = j,
@@ -211,12 +210,11 @@ absl::StatusOr<DiscreteStateSpace> WithChange(const DiscreteStateSpace& system,
   if (parts.empty()) return system;
   const Composition composition(system, std::move(parts));
   if (composition.order() > system.order() + kMostAddedStates) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: the correction takes ",
-                     composition.order() - system.order(),
-                     " states more than before, at "
-                     "most ",
-                     kMostAddedStates, " are supported"));
+    return InvalidArgument("state-space model: the correction takes ",
+                           composition.order() - system.order(),
+                           " states more than before, at "
+                           "most ",
+                           kMostAddedStates, " are supported");
   }
   return composition.Compose();
 }

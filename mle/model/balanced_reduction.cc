@@ -62,8 +62,8 @@ absl::StatusOr<Responses> ResponsesOf(const ProcessModel& model,
     }
   }
   if (any) return responses;
-  return absl::InvalidArgumentError(absl::StrCat(
-      "state-space model: every element of '", model.name(), "' is zero"));
+  return InvalidArgument("state-space model: every element of '", model.name(),
+                         "' is zero");
 }
 
 // The dead times of the outputs first, or of the inputs: what the elements of
@@ -263,11 +263,11 @@ absl::StatusOr<BalancedRow> Balance(const ProcessModel& model,
   }
   if (elements.empty()) return balanced;
   if (line + states > options.max_states) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "state-space model: the dead times of ", model.outputs()[output].name,
         " differ by up to ", line, " samples, which with the orders of its ",
         "elements takes ", line + states, " states, more than ",
-        options.max_states, "; a longer sample time takes fewer"));
+        options.max_states, "; a longer sample time takes fewer");
   }
   balanced.row = RowRealization::Of(elements);
   const Eigen::BDCSVD<MatrixXd> svd(
@@ -432,14 +432,12 @@ void Append(const DiscreteStateSpace& row, DiscreteStateSpace& all) {
 
 absl::Status ReductionOptions::Validate() const {
   if (!(tolerance > 0.0) || !std::isfinite(tolerance)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: tolerance is ", tolerance,
-                     ", must be finite and positive"));
+    return InvalidArgument("state-space model: tolerance is ", tolerance,
+                           ", must be finite and positive");
   }
   if (max_states < 1) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: max_states is ", max_states,
-                     ", must be at least 1"));
+    return InvalidArgument("state-space model: max_states is ", max_states,
+                           ", must be at least 1");
   }
   return absl::OkStatus();
 }

@@ -72,9 +72,9 @@ absl::StatusOr<Eigen::MatrixXd> SimulateResponse(
   MLE_ASSIGN_OR_RETURN(ProcessSimulator simulator,
                        ProcessSimulator::Create(model, sample_time));
   if (inputs.rows() != model.num_inputs()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("inputs has ", inputs.rows(), " rows, but the model has ",
-                     model.num_inputs(), " inputs"));
+    return InvalidArgument("inputs has ", inputs.rows(),
+                           " rows, but the model has ", model.num_inputs(),
+                           " inputs");
   }
   Eigen::MatrixXd outputs(model.num_outputs(), inputs.cols());
   if (inputs.cols() == 0) return outputs;
