@@ -25,6 +25,7 @@
 #include "apps/report/table.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
+#include "mle/base/status.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/record_columns.h"
 #include "mle/data/tag_file.h"
@@ -179,18 +180,16 @@ Times are in the model's time unit: min below. Exit codes: 0 done, 1 the result
 is not usable or no decision was possible, 2 bad input or flags.)";
 
 // Writes the file of --propose_tags.
-int Propose(const Request& request,
-            const std::vector<HistorianSource>& sources) {
+absl::StatusOr<int> Propose(const Request& request,
+                            const std::vector<HistorianSource>& sources) {
   const absl::StatusOr<std::vector<TagProposal>> proposals =
       ProposeTags(sources, request.model, request.import);
   if (!proposals.ok()) {
-    return Fail(WithPrefix(NameFlags(proposals.status()), "--data: "));
+    return WithPrefix(NameFlags(proposals.status()), "--data: ");
   }
-  if (const absl::Status status =
-          WriteFileAtomically(request.propose_tags, FormatTagFile(*proposals));
-      !status.ok()) {
-    return Fail(WithPrefix(status, "--propose_tags: "));
-  }
+  MLE_RETURN_IF_ERROR(WithPrefix(
+      WriteFileAtomically(request.propose_tags, FormatTagFile(*proposals)),
+      "--propose_tags: "));
   std::cout << DescribeProposals(*proposals, request.model,
                                  request.propose_tags);
   return kExitDone;
@@ -248,16 +247,14 @@ void KeepFreedMemory() {
 #endif
 }
 
-int Main(Request& request, OptionTable& table) {
+absl::StatusOr<int> Run(Request& request, OptionTable& table) {
   KeepFreedMemory();
-  if (const absl::Status status = Complete(request, table); !status.ok()) {
-    return Fail(status);
-  }
+  MLE_RETURN_IF_ERROR(Complete(request, table));
   request.database.ask_password = AskPassword;
   const absl::StatusOr<DataSources> sources =
       DataSources::Create(request.data_paths, request.database, request.import);
   if (!sources.ok()) {
-    return Fail(WithPrefix(NameFlags(sources.status()), "--data: "));
+    return WithPrefix(NameFlags(sources.status()), "--data: ");
   }
   if (!request.propose_tags.empty()) {
     return Propose(request, sources->sources());
@@ -266,9 +263,7 @@ int Main(Request& request, OptionTable& table) {
       absl::StrCat("reading ", request.data_paths.size(),
                    request.data_paths.size() == 1 ? " source" : " sources"));
   absl::StatusOr<RecordData> data = Load(sources->sources(), request);
-  if (!data.ok()) {
-    return Fail(OnReading(data.status(), request));
-  }
+  if (!data.ok()) return OnReading(data.status(), request);
   if (request.dry_run) {
     EndStatus();
     NameFlags(*data);
@@ -279,12 +274,11 @@ int Main(Request& request, OptionTable& table) {
     PrintMemory();
     return kExitDone;
   }
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);
-  if (!lock.ok()) return Fail(lock.status());
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(request.out));
   request.options.progress = ShowStage;
   const absl::StatusOr<Result> result =
       RunCorrection(request, *std::move(data), sources->Files());
-  if (!result.ok()) return Fail(NameFlags(result.status()));
+  if (!result.ok()) return NameFlags(result.status());
   absl::StatusOr<std::string> json =
       FormatResult(*result, CommandLine(), ResultFlags());
   absl::Status status = json.status();
@@ -292,7 +286,7 @@ int Main(Request& request, OptionTable& table) {
     ShowStatus("writing the results");
     status = WriteResult(*result, *json, HowToRunAgain({}, Checksums(*result)));
   }
-  if (!status.ok()) return Fail(absl::InternalError(status.message()));
+  if (!status.ok()) return absl::InternalError(status.message());
   EndStatus();
   PrintMessages("error", result->failures);
   if (request.json) {
@@ -307,9 +301,6 @@ int Main(Request& request, OptionTable& table) {
 }  // namespace mle::correct
 
 int main(int argc, char** argv) {
-  mle::correct::Request request;
-  mle::OptionTable table;
-  mle::correct::AddOptions(request, table);
-  mle::StartCommand(mle::correct::kUsage, table, argc, argv);
-  return mle::correct::Main(request, table);
+  return mle::RunCommand(mle::correct::kUsage, mle::correct::AddOptions,
+                         mle::correct::Run, argc, argv);
 }

@@ -77,10 +77,6 @@ absl::StatusOr<int> Run(lifecycle::Request& request, OptionTable& table) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::lifecycle::Request request;
-  mle::OptionTable table;
-  mle::lifecycle::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  const absl::StatusOr<int> code = mle::Run(request, table);
-  return code.ok() ? *code : mle::Fail(code.status());
+  return mle::RunCommand(mle::kUsage, mle::lifecycle::AddOptions, mle::Run,
+                         argc, argv);
 }

@@ -13,6 +13,7 @@
 #include "apps/reproduce/request.h"
 #include "apps/reproduce/summary.h"
 #include "mle/base/file.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -68,17 +69,14 @@ void PrintTables(const CaseResult& result) {
             << report::FormatScientific(result.max_relative_gap, 2) << "\n\n";
 }
 
-int Main(reproduce::Request& request, OptionTable& table) {
-  const absl::Status complete = reproduce::Complete(request, table);
-  if (!complete.ok()) return Fail(complete);
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.folder);
-  if (!lock.ok()) return Fail(lock.status());
-  const absl::StatusOr<std::vector<CaseResult>> results =
-      reproduce::RunReproduction(request.reproduction);
-  if (!results.ok()) return Fail(results.status());
-
+absl::StatusOr<int> Run(reproduce::Request& request, OptionTable& table) {
+  MLE_RETURN_IF_ERROR(reproduce::Complete(request, table));
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock,
+                       ClaimOutputFolder(request.folder));
+  MLE_ASSIGN_OR_RETURN(const std::vector<CaseResult> results,
+                       reproduce::RunReproduction(request.reproduction));
   int exit_code = kExitDone;
-  for (const CaseResult& result : *results) {
+  for (const CaseResult& result : results) {
     PrintTables(result);
     if (!(result.max_relative_gap <= reproduce::kAcceptedGap)) {
       std::cerr << "warning: case " << result.name
@@ -88,8 +86,8 @@ int Main(reproduce::Request& request, OptionTable& table) {
       exit_code = kExitNotUsable;
     }
   }
-  if (const absl::Status status = WriteAll(*results, request); !status.ok()) {
-    return Fail(absl::InternalError(status.message()));
+  if (const absl::Status status = WriteAll(results, request); !status.ok()) {
+    return absl::InternalError(status.message());
   }
   std::cout << "Report and results: " << request.folder << "/report.html\n";
   return exit_code;
@@ -99,9 +97,6 @@ int Main(reproduce::Request& request, OptionTable& table) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::reproduce::Request request;
-  mle::OptionTable table;
-  mle::reproduce::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  return mle::Main(request, table);
+  return mle::RunCommand(mle::kUsage, mle::reproduce::AddOptions, mle::Run,
+                         argc, argv);
 }

@@ -133,7 +133,7 @@ absl::StatusOr<experiment::Study> ReadCampaign(const Request& request) {
   return experiment::ReadStudy(text, request.campaign, folder);
 }
 
-absl::StatusOr<int> Run(const Request& request) {
+absl::StatusOr<int> Run(Request& request, OptionTable& /*table*/) {
   MLE_RETURN_IF_ERROR(request.Validate());
   MLE_ASSIGN_OR_RETURN(const experiment::Study work, ReadCampaign(request));
   if (request.dry_run) {
@@ -155,10 +155,5 @@ absl::StatusOr<int> Run(const Request& request) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::Request request;
-  mle::OptionTable table;
-  mle::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  const absl::StatusOr<int> code = mle::Run(request);
-  return code.ok() ? *code : mle::Fail(code.status());
+  return mle::RunCommand(mle::kUsage, mle::AddOptions, mle::Run, argc, argv);
 }

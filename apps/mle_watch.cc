@@ -304,33 +304,25 @@ It never writes to a controller. Exit codes: 0 done, whatever was found; 1 a
 controller could not be looked at, or an alarm not handed on; 2 bad input or
 flags.)";
 
-int End(const absl::Status& status) {
-  return status.ok() ? kExitDone : Fail(status);
-}
-
-int Main(Request& request) {
-  if (const absl::Status status = Complete(request); !status.ok()) {
-    return Fail(status);
+absl::StatusOr<int> Run(Request& request, OptionTable& /*table*/) {
+  MLE_RETURN_IF_ERROR(Complete(request));
+  if (!request.acknowledge.empty() || !request.serve.empty()) {
+    MLE_RETURN_IF_ERROR(request.acknowledge.empty()
+                            ? ServeSite(request)
+                            : AcknowledgeAlarm(request));
+    return kExitDone;
   }
-  if (!request.acknowledge.empty()) return End(AcknowledgeAlarm(request));
-  if (!request.serve.empty()) return End(ServeSite(request));
-  const absl::StatusOr<RunSummary> summary = RunWatches(request);
-  if (!summary.ok()) return Fail(summary.status());
-  std::cout << summary->aged << " of " << summary->controllers
+  MLE_ASSIGN_OR_RETURN(const RunSummary summary, RunWatches(request));
+  std::cout << summary.aged << " of " << summary.controllers
             << " models have aged; see " << request.out << "/index.html\n";
-  for (const std::string& failure : summary->failures) {
-    SayError(failure);
-  }
-  return summary->failures.empty() ? kExitDone : kExitNotUsable;
+  for (const std::string& failure : summary.failures) SayError(failure);
+  return summary.failures.empty() ? kExitDone : kExitNotUsable;
 }
 
 }  // namespace
 }  // namespace mle::watch
 
 int main(int argc, char** argv) {
-  mle::watch::Request request;
-  mle::OptionTable table;
-  mle::watch::AddOptions(request, table);
-  mle::StartCommand(mle::watch::kUsage, table, argc, argv);
-  return mle::watch::Main(request);
+  return mle::RunCommand(mle::watch::kUsage, mle::watch::AddOptions,
+                         mle::watch::Run, argc, argv);
 }

@@ -38,12 +38,10 @@ double SettlingTime(const TransferFunction& element, double remainder) {
 // Control periods after which the whole model has settled.
 double SettlingPeriods(const ProcessModel& model, double control_period) {
   double longest = 0.0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& element = model.element(i, j);
-      if (element.IsZero()) continue;
-      longest = std::max(longest, SettlingTime(element, kSettlingRemainder));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& element = model.element(i, j);
+    if (element.IsZero()) continue;
+    longest = std::max(longest, SettlingTime(element, kSettlingRemainder));
   }
   return std::ceil(longest / control_period) + 1.0;
 }
@@ -255,11 +253,9 @@ absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
         model.num_outputs(), " × ", model.num_inputs(),
         " step responses to be kept; use a longer control_period");
   }
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
   PredictionModel prediction = Stack(
       model.ComputeStepResponse(control_period, static_cast<int>(periods) + 1),
-      roles, control_period, 1);
+      InputRoles(model), control_period, 1);
   if (mle::IsIntegrating(model)) {
     prediction.slopes = (IntegrationOrders(model).array() > 0)
                             .select(control_period * StaticGains(model), 0.0);

@@ -51,11 +51,9 @@ VectorXd ExpectedSizes(const Surroundings& all, const ProcessModel& channels) {
       largest(all.set_points).cwiseMax(largest(all.output_disturbances));
   const VectorXd inputs =
       largest(all.input_disturbances).cwiseMax(largest(all.loads));
-  for (int i = 0; i < channels.num_outputs(); ++i) {
-    for (int j = 0; j < channels.num_inputs(); ++j) {
-      sizes[i] = std::max(
-          sizes[i], std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
-    }
+  for (const auto& [i, j] : Pairs(channels)) {
+    sizes[i] = std::max(
+        sizes[i], std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
   }
   return sizes;
 }

@@ -31,22 +31,20 @@ std::vector<Block> MakeBlocks(const ProcessModel& model,
                               const AgeingSchedule& ageing) {
   std::vector<Block> blocks;
   Index states = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (model.element(i, j).IsZero()) continue;
-      Block block;
-      block.output = i;
-      block.input = j;
-      block.column = static_cast<int>(blocks.size());
-      block.first_state = states;
-      block.element = model.element(i, j);
-      block.system = block.element.Realize();
-      for (const ElementAgeing& one : ageing.elements) {
-        if (one.output == i && one.input == j) block.ageing = one;
-      }
-      states += block.system.A.rows();
-      blocks.push_back(std::move(block));
+  for (const auto& [i, j] : Pairs(model)) {
+    if (model.element(i, j).IsZero()) continue;
+    Block block;
+    block.output = i;
+    block.input = j;
+    block.column = static_cast<int>(blocks.size());
+    block.first_state = states;
+    block.element = model.element(i, j);
+    block.system = block.element.Realize();
+    for (const ElementAgeing& one : ageing.elements) {
+      if (one.output == i && one.input == j) block.ageing = one;
     }
+    states += block.system.A.rows();
+    blocks.push_back(std::move(block));
   }
   return blocks;
 }

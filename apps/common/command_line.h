@@ -29,14 +29,29 @@ inline constexpr int kExitBadInput = 2;
 void StartCommand(const std::string& usage, OptionTable& table, int argc,
                   char** argv);
 
+// Prints the failure and gives its exit code: 1 for FailedPrecondition,
+// Internal and ResourceExhausted, else 2.
+int Fail(const absl::Status& status);
+
+// The whole of a command: reads its options, then does what `run` does. Gives
+// the exit code; a failure is printed.
+template <typename Request>
+int RunCommand(const char* usage,
+               void (*add_options)(Request& request, OptionTable& table),
+               absl::StatusOr<int> (*run)(Request& request, OptionTable& table),
+               int argc, char** argv) {
+  Request request;
+  OptionTable table;
+  add_options(request, table);
+  StartCommand(usage, table, argc, argv);
+  const absl::StatusOr<int> code = run(request, table);
+  return code.ok() ? *code : Fail(code.status());
+}
+
 // The command line as it was given, for a shell.
 std::string CommandLine();
 
 std::string_view Version();
-
-// Prints the failure and gives its exit code: 1 for FailedPrecondition,
-// Internal and ResourceExhausted, else 2.
-int Fail(const absl::Status& status);
 
 // "error: message" on standard error, in one line whatever is quoted in it.
 void SayError(const std::string& message);

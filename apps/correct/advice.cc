@@ -26,22 +26,12 @@ constexpr double kResidualLevel = 0.01;
 // With fewer of its samples than this share an output lacks those first.
 constexpr double kFewSamples = 0.5;
 
-std::vector<InputRole> RolesOf(const ProcessModel& model) {
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
-  return roles;
-}
-
 control::RetuningOptions RetuningOptionsOf(const Result& result) {
   control::RetuningOptions options;
   options.threads = result.options.threads;
   options.time_unit = result.initial.time_unit();
-  for (const OutputChannel& output : result.initial.outputs()) {
-    options.output_names.push_back(output.name);
-  }
-  for (const InputChannel& input : result.initial.inputs()) {
-    options.input_names.push_back(input.name);
-  }
+  options.output_names = NamesOf(result.initial.outputs());
+  options.input_names = NamesOf(result.initial.inputs());
   return options;
 }
 
@@ -213,7 +203,7 @@ absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result) {
   MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
                        control::DescribeAsFirstOrder(result.initial_response));
   std::vector<std::string> unused;
-  return control::TuneByRules(elements, RolesOf(result.initial),
+  return control::TuneByRules(elements, InputRoles(result.initial),
                               result.data.sample_time(), tuning,
                               RetuningOptionsOf(result), unused);
 }

@@ -39,12 +39,10 @@ void AddPairPanels(
     const Result& result, const std::string& x_label, report::Figure& figure,
     const std::function<void(int i, int j, report::Panel& panel)>& fill) {
   const ProcessModel& model = result.initial;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      report::Panel& panel = figure.AddPanel(PairName(model, i, j));
-      if (i + 1 == model.num_outputs()) panel.x.label = x_label;
-      fill(i, j, panel);
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    report::Panel& panel = figure.AddPanel(PairName(model, i, j));
+    if (i + 1 == model.num_outputs()) panel.x.label = x_label;
+    fill(i, j, panel);
   }
 }
 

@@ -49,9 +49,7 @@ NamedFigure MismatchFigure(const Result& result) {
   Panel& panel = named.figure.AddPanel("");
   panel.x.label = "input";
   panel.y.label = "output";
-  for (const InputChannel& input : model.inputs()) {
-    panel.x.names.push_back(input.name);
-  }
+  panel.x.names = NamesOf(model.inputs());
   for (int i = p - 1; i >= 0; --i) {
     panel.y.names.push_back(model.outputs()[i].name);
     for (int j = 0; j < m; ++j) {

@@ -161,12 +161,10 @@ const Message* Mistake(const Result& result) {
 std::vector<ElementChange> ElementChanges(const Result& result) {
   std::vector<ElementChange> changes;
   if (result.decision != Decision::kCorrected) return changes;
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      if (!HasChanged(result, i, j)) continue;
-      changes.push_back({i, j, result.change.elements(i, j),
-                         DescribePairChange(result, i, j)});
-    }
+  for (const auto& [i, j] : Pairs(result.initial)) {
+    if (!HasChanged(result, i, j)) continue;
+    changes.push_back(
+        {i, j, result.change.elements(i, j), DescribePairChange(result, i, j)});
   }
   std::stable_sort(changes.begin(), changes.end(),
                    [](const ElementChange& a, const ElementChange& b) {

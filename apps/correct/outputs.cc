@@ -100,14 +100,9 @@ absl::StatusOr<std::string> FormatResult(
 }
 
 std::string FormatArx(const ArxModel& model, const ProcessModel& channels) {
-  NamedArxModel named = {channels.name(), channels.time_unit(), {}, {}, model};
-  for (const InputChannel& input : channels.inputs()) {
-    named.inputs.push_back(input.name);
-  }
-  for (const OutputChannel& output : channels.outputs()) {
-    named.outputs.push_back(output.name);
-  }
-  return FormatArxModel(named);
+  return FormatArxModel({channels.name(), channels.time_unit(),
+                         NamesOf(channels.outputs()),
+                         NamesOf(channels.inputs()), model});
 }
 
 std::string FormatStepResponses(const Result& result) {

@@ -220,10 +220,7 @@ std::string WhyNot(const ProcessModel& model, int output,
 
 absl::Status ChooseOutputs(Request& request) {
   if (request.outputs.empty()) return absl::OkStatus();
-  std::vector<std::string> known;
-  for (const OutputChannel& output : request.model.outputs()) {
-    known.push_back(output.name);
-  }
+  const std::vector<std::string> known = NamesOf(request.model.outputs());
   for (const std::string& name : request.outputs) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     return RefuseOption("outputs", name,
@@ -274,11 +271,9 @@ ProcessModel InWholeModel(const Request& request, const ProcessModel& part) {
   for (int j = 0; j < whole.num_inputs(); ++j) {
     inputs[whole.inputs()[j].name] = j;
   }
-  for (int i = 0; i < part.num_outputs(); ++i) {
-    for (int j = 0; j < part.num_inputs(); ++j) {
-      whole.element(outputs.at(part.outputs()[i].name),
-                    inputs.at(part.inputs()[j].name)) = part.element(i, j);
-    }
+  for (const auto& [i, j] : Pairs(part)) {
+    whole.element(outputs.at(part.outputs()[i].name),
+                  inputs.at(part.inputs()[j].name)) = part.element(i, j);
   }
   return whole;
 }

@@ -98,41 +98,38 @@ Table ParameterTable(const Result& result) {
                    {"written"},
                    {"p, no change"},
                    {"records", Align::kLeft}};
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const ElementEstimate& full = output_error.full.element(i, j);
-      const ElementEstimate& written = output_error.corrected.element(i, j);
-      if (full.state == ElementState::kAbsent) continue;
-      const bool fitted = full.state == ElementState::kFitted;
-      const bool changed = shown && output_error.aged(i, j);
-      const struct {
-        const char* name;
-        const ParameterEstimate& full;
-        const ParameterEstimate& written;
-      } rows[] = {
-          {model.element(i, j).IsIntegrating() ? "gain (slope)" : "gain",
-           full.gain, written.gain},
-          {"time constant", full.time_scale, written.time_scale},
-          {"dead time", full.delay, written.delay}};
-      bool first = true;
-      for (const auto& row : rows) {
-        // An integrator without lag has no time constant.
-        if (&row.full == &full.time_scale && row.full.initial == 0.0) continue;
-        table.AddRow(
-            {first ? PairName(model, i, j) : "", row.name,
-             FormatSignificant(row.full.initial, 4),
-             fitted ? WithInterval(row.full) : "–",
-             changed ? WithInterval(row.written)
-             : result.corrected.process.has_value()
-                 ? FormatSignificant(row.full.initial, 4)
-                 : "–",
-             first && fitted
-                 ? FormatProbability(output_error.element_p_values(i, j))
-                 : "",
-             first ? std::string(NameOf(result.information.pair(i, j).state))
-                   : ""});
-        first = false;
-      }
+  for (const auto& [i, j] : Pairs(model)) {
+    const ElementEstimate& full = output_error.full.element(i, j);
+    const ElementEstimate& written = output_error.corrected.element(i, j);
+    if (full.state == ElementState::kAbsent) continue;
+    const bool fitted = full.state == ElementState::kFitted;
+    const bool changed = shown && output_error.aged(i, j);
+    const struct {
+      const char* name;
+      const ParameterEstimate& full;
+      const ParameterEstimate& written;
+    } rows[] = {{model.element(i, j).IsIntegrating() ? "gain (slope)" : "gain",
+                 full.gain, written.gain},
+                {"time constant", full.time_scale, written.time_scale},
+                {"dead time", full.delay, written.delay}};
+    bool first = true;
+    for (const auto& row : rows) {
+      // An integrator without lag has no time constant.
+      if (&row.full == &full.time_scale && row.full.initial == 0.0) continue;
+      table.AddRow(
+          {first ? PairName(model, i, j) : "", row.name,
+           FormatSignificant(row.full.initial, 4),
+           fitted ? WithInterval(row.full) : "–",
+           changed ? WithInterval(row.written)
+           : result.corrected.process.has_value()
+               ? FormatSignificant(row.full.initial, 4)
+               : "–",
+           first && fitted
+               ? FormatProbability(output_error.element_p_values(i, j))
+               : "",
+           first ? std::string(NameOf(result.information.pair(i, j).state))
+                 : ""});
+      first = false;
     }
   }
   return table;
@@ -150,34 +147,31 @@ Table FopdtTable(const Result& result) {
                    {"time constant"},
                    {"dead time"},
                    {"fit", Align::kLeft}};
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
-      if (element.shape == FopdtShape::kNoResponse) continue;
-      table.AddRow(
-          {PairName(model, i, j),
-           WithError(result, element.gain, element.gain_error) +
-               SlopeMark(element),
-           WithError(result, element.time_constant,
-                     element.time_constant_error),
-           WithError(result, element.delay, element.delay_error),
-           element.exact
-               ? "exact"
-               : absl::StrCat(
-                     element.shape == FopdtShape::kPoorFit ? "poor, " : "",
-                     "residual ", PercentOrDash(100.0 * element.relative_rms),
-                     ", at most ",
-                     PercentOrDash(100.0 * element.largest_difference))});
-      if (!element.second_order.has_value()) continue;
-      const SopdtFit& second = *element.second_order;
-      table.AddRow(
-          {"… of second order", FormatSignificant(second.gain, 4),
-           absl::StrCat(FormatSignificant(second.time_constant, 4),
-                        ", damping ", FormatSignificant(second.damping, 3)),
-           FormatSignificant(second.delay, 4),
-           absl::StrCat("at most ",
-                        PercentOrDash(100.0 * second.largest_difference))});
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+    if (element.shape == FopdtShape::kNoResponse) continue;
+    table.AddRow(
+        {PairName(model, i, j),
+         WithError(result, element.gain, element.gain_error) +
+             SlopeMark(element),
+         WithError(result, element.time_constant, element.time_constant_error),
+         WithError(result, element.delay, element.delay_error),
+         element.exact
+             ? "exact"
+             : absl::StrCat(
+                   element.shape == FopdtShape::kPoorFit ? "poor, " : "",
+                   "residual ", PercentOrDash(100.0 * element.relative_rms),
+                   ", at most ",
+                   PercentOrDash(100.0 * element.largest_difference))});
+    if (!element.second_order.has_value()) continue;
+    const SopdtFit& second = *element.second_order;
+    table.AddRow(
+        {"… of second order", FormatSignificant(second.gain, 4),
+         absl::StrCat(FormatSignificant(second.time_constant, 4), ", damping ",
+                      FormatSignificant(second.damping, 3)),
+         FormatSignificant(second.delay, 4),
+         absl::StrCat("at most ",
+                      PercentOrDash(100.0 * second.largest_difference))});
   }
   return table;
 }
@@ -299,18 +293,16 @@ std::string IntervalNote(const Result& result) {
 std::string WhereFirstOrderIsNotNear(const Result& result) {
   const ProcessModel& model = result.initial;
   std::vector<std::string> pairs;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
-      if (element.shape == FopdtShape::kNoResponse || element.exact ||
-          !(element.largest_difference > kNearFopdt)) {
-        continue;
-      }
-      pairs.push_back(
-          absl::StrCat(PairName(model, i, j), " (by up to ",
-                       FormatSignificant(100.0 * element.largest_difference, 2),
-                       " % of its response)"));
+  for (const auto& [i, j] : Pairs(model)) {
+    const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+    if (element.shape == FopdtShape::kNoResponse || element.exact ||
+        !(element.largest_difference > kNearFopdt)) {
+      continue;
     }
+    pairs.push_back(
+        absl::StrCat(PairName(model, i, j), " (by up to ",
+                     FormatSignificant(100.0 * element.largest_difference, 2),
+                     " % of its response)"));
   }
   if (pairs.empty()) return "";
   const std::string given = CorrectedName(result.request.model_file);

@@ -59,13 +59,10 @@ absl::StatusOr<ModelInUse> MakeModel(const CorrectionResult& result,
   model.own_response = true;
   model.response = result.corrected.response;
   model.predictor = result.estimate.fit.corrected;
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : result.initial.inputs()) {
-    roles.push_back(input.role);
-  }
-  MLE_ASSIGN_OR_RETURN(model.prediction,
-                       control::PredictFromStepResponse(
-                           model.response, roles, options.control_period));
+  MLE_ASSIGN_OR_RETURN(
+      model.prediction,
+      control::PredictFromStepResponse(
+          model.response, InputRoles(result.initial), options.control_period));
   return model;
 }
 
@@ -197,24 +194,22 @@ absl::StatusOr<ModelError> CompareWithPlant(const ModelInUse& model,
   }
   ModelError error;
   error.distance = SquaredDistance(truth, response);
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      const TransferFunction& element = plant.element(i, j);
-      if (element.IsZero()) continue;
-      const double gain = model.own_response
-                              ? response.element(i, j)(samples - 1)
-                              : model.process.element(i, j).StaticGain();
-      const double true_gain = model.own_response
-                                   ? truth.element(i, j)(samples - 1)
-                                   : element.StaticGain();
-      error.gain = std::max(error.gain,
-                            std::abs(gain - true_gain) / std::abs(true_gain));
-      double delay = model.process.element(i, j).delay();
-      if (model.own_response) {
-        MLE_ASSIGN_OR_RETURN(delay, DelayOf(response, i, j));
-      }
-      error.delay = Larger(error.delay, std::abs(delay - element.delay()));
+  for (const auto& [i, j] : Pairs(plant)) {
+    const TransferFunction& element = plant.element(i, j);
+    if (element.IsZero()) continue;
+    const double gain = model.own_response
+                            ? response.element(i, j)(samples - 1)
+                            : model.process.element(i, j).StaticGain();
+    const double true_gain = model.own_response
+                                 ? truth.element(i, j)(samples - 1)
+                                 : element.StaticGain();
+    error.gain =
+        std::max(error.gain, std::abs(gain - true_gain) / std::abs(true_gain));
+    double delay = model.process.element(i, j).delay();
+    if (model.own_response) {
+      MLE_ASSIGN_OR_RETURN(delay, DelayOf(response, i, j));
     }
+    error.delay = Larger(error.delay, std::abs(delay - element.delay()));
   }
   return error;
 }

@@ -166,12 +166,10 @@ absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
     const ExperimentOptions& options) {
   const control::MpcOptions& mpc = options.controller;
   MLE_RETURN_IF_ERROR(mpc.Validate(plant.num_outputs(), plant.num_inputs()));
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : initial.inputs())
-    roles.push_back(input.role);
   const std::array<absl::StatusOr<PredictionModel>, 3> models = {
       control::PredictFromProcess(initial, mpc.control_period),
-      control::PredictFromArx(corrected, roles, mpc.control_period),
+      control::PredictFromArx(corrected, InputRoles(initial),
+                              mpc.control_period),
       control::PredictFromProcess(plant, mpc.control_period)};
   ClosedLoopComparison comparison;
   for (std::size_t i = 0; i < models.size(); ++i) {

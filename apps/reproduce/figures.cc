@@ -125,21 +125,19 @@ Figure PairGrid(const CaseResult& result, const std::string& quantity,
   figure.columns = plant.num_inputs();
   figure.width_cm = std::max(kColumnWidthCm * plant.num_inputs(), 12.0);
   figure.height_cm = 1.5 + 5.0 * plant.num_outputs();
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      Panel& panel = figure.AddPanel(
-          absl::StrCat(plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
-      if (i + 1 == plant.num_outputs()) {
-        panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
-      }
-      if (j == 0) panel.y.label = quantity;
-      for (const Curves& curve : curves) {
-        const Eigen::VectorXd values =
-            curve.values.col(i * plant.num_inputs() + j);
-        panel.series.push_back(
-            MakeSeries(curve.role, curve.label, time, ToVector(values)));
-        panel.series.back().max_points = kMaxPoints;
-      }
+  for (const auto& [i, j] : Pairs(plant)) {
+    Panel& panel = figure.AddPanel(
+        absl::StrCat(plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
+    if (i + 1 == plant.num_outputs()) {
+      panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
+    }
+    if (j == 0) panel.y.label = quantity;
+    for (const Curves& curve : curves) {
+      const Eigen::VectorXd values =
+          curve.values.col(i * plant.num_inputs() + j);
+      panel.series.push_back(
+          MakeSeries(curve.role, curve.label, time, ToVector(values)));
+      panel.series.back().max_points = kMaxPoints;
     }
   }
   return figure;

@@ -93,32 +93,29 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
   result.lambda_star = experiment::Describe(lambda, 0);
 
   const ProcessModel& plant = result.plant;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      ElementErrors errors;
-      errors.true_gain = plant.element(i, j).StaticGain();
-      errors.initial_gain = initial_model.element(i, j).StaticGain();
-      MLE_ASSIGN_OR_RETURN(
-          errors.true_delay,
-          FirstOrderDelay(plant.element(i, j), result.truth, i, j));
-      MLE_ASSIGN_OR_RETURN(
-          errors.initial_delay,
-          FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
-      double end = 0.0, gain = 0.0, delay = 0.0;
-      for (const RunResult& run : result.runs) {
-        const FopdtFit& fit = run.judgement.fopdt[i * plant.num_inputs() + j];
-        end += std::pow(run.judgement.static_gain_error(i, j), 2);
-        gain += std::pow(fit.gain - errors.true_gain, 2);
-        delay += std::pow(fit.delay - errors.true_delay, 2);
-        errors.delay_impulse_peak_mean +=
-            run.judgement.delay_impulse_peak(i, j) /
-            static_cast<double>(result.runs.size());
-      }
-      errors.static_gain_error_rms = RootMeanSquare(end, result.runs.size());
-      errors.fopdt_gain_error_rms = RootMeanSquare(gain, result.runs.size());
-      errors.fopdt_delay_error_rms = RootMeanSquare(delay, result.runs.size());
-      result.elements.push_back(errors);
+  for (const auto& [i, j] : Pairs(plant)) {
+    ElementErrors errors;
+    errors.true_gain = plant.element(i, j).StaticGain();
+    errors.initial_gain = initial_model.element(i, j).StaticGain();
+    MLE_ASSIGN_OR_RETURN(
+        errors.true_delay,
+        FirstOrderDelay(plant.element(i, j), result.truth, i, j));
+    MLE_ASSIGN_OR_RETURN(
+        errors.initial_delay,
+        FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
+    double end = 0.0, gain = 0.0, delay = 0.0;
+    for (const RunResult& run : result.runs) {
+      const FopdtFit& fit = run.judgement.fopdt[i * plant.num_inputs() + j];
+      end += std::pow(run.judgement.static_gain_error(i, j), 2);
+      gain += std::pow(fit.gain - errors.true_gain, 2);
+      delay += std::pow(fit.delay - errors.true_delay, 2);
+      errors.delay_impulse_peak_mean += run.judgement.delay_impulse_peak(i, j) /
+                                        static_cast<double>(result.runs.size());
     }
+    errors.static_gain_error_rms = RootMeanSquare(end, result.runs.size());
+    errors.fopdt_gain_error_rms = RootMeanSquare(gain, result.runs.size());
+    errors.fopdt_delay_error_rms = RootMeanSquare(delay, result.runs.size());
+    result.elements.push_back(errors);
   }
   return absl::OkStatus();
 }
@@ -185,16 +182,13 @@ template <typename Cells>
 void AddPairs(const CaseResult& result, const Cells& cells,
               report::Table& table) {
   const ProcessModel& plant = result.plant;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      std::vector<std::string> row = {NumberedPair(plant, i, j)};
-      for (std::string& cell :
-           cells(result.elements[i * plant.num_inputs() + j],
-                 FindPaperFigure(result, i, j))) {
-        row.push_back(std::move(cell));
-      }
-      table.AddRow(std::move(row));
+  for (const auto& [i, j] : Pairs(plant)) {
+    std::vector<std::string> row = {NumberedPair(plant, i, j)};
+    for (std::string& cell : cells(result.elements[i * plant.num_inputs() + j],
+                                   FindPaperFigure(result, i, j))) {
+      row.push_back(std::move(cell));
     }
+    table.AddRow(std::move(row));
   }
 }
 

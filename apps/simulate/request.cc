@@ -98,13 +98,6 @@ std::vector<Option> OptionsOf(sim::MeasurementFaultOptions& options) {
 
 constexpr char kReactor[] = "van_de_vusse";
 
-template <typename Channel>
-std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  for (const Channel& channel : channels) names.push_back(channel.name);
-  return names;
-}
-
 std::vector<Option> PlantOptions(Request& request) {
   return {
       {"model", &request.model_path, "Process model (JSON) of the controller."},

@@ -145,11 +145,9 @@ absl::StatusOr<PairInformation> AssessInformation(
       ComputeOutputErrorLimit(model, windows, noise, options.output_error));
   PairInformation information;
   information.num_inputs = model.num_inputs();
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      information.pairs.push_back(
-          ErrorsOf(limit.element(i, j), limit.covariances[i], j, options));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    information.pairs.push_back(
+        ErrorsOf(limit.element(i, j), limit.covariances[i], j, options));
   }
   DescribeInputs(windows, information);
   return information;

@@ -68,11 +68,9 @@ double RoundedUp(double value) {
 // slowest of them, by which SettlingTime() goes.
 double TimeToSettle(const ProcessModel& model) {
   double longest = SettlingTime(model);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& g = model.element(i, j);
-      if (!g.IsIntegrating()) longest = std::max(longest, g.TimeToSettle());
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& g = model.element(i, j);
+    if (!g.IsIntegrating()) longest = std::max(longest, g.TimeToSettle());
   }
   return longest;
 }
@@ -140,10 +138,8 @@ class Converter {
 };
 
 bool Converter::HasElements() const {
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      if (!model_.element(i, j).IsZero()) return true;
-    }
+  for (const auto& [i, j] : Pairs(model_)) {
+    if (!model_.element(i, j).IsZero()) return true;
   }
   return false;
 }
@@ -231,13 +227,11 @@ StepResponseModel Converter::Sampled() {
   const StepResponse response =
       own.has_value() ? *own
                       : model_.ComputeStepResponse(steps.interval, length + 1);
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      const TransferFunction& g = model_.element(i, j);
-      if (g.IsZero()) continue;
-      steps.pairs.push_back(
-          {i, j, response.element(i, j).tail(length), g.IsIntegrating()});
-    }
+  for (const auto& [i, j] : Pairs(model_)) {
+    const TransferFunction& g = model_.element(i, j);
+    if (g.IsZero()) continue;
+    steps.pairs.push_back(
+        {i, j, response.element(i, j).tail(length), g.IsIntegrating()});
   }
   return steps;
 }
@@ -328,11 +322,9 @@ absl::Status Converter::ToStateSpace() {
   const VectorXd& differences = reduced.largest_differences;
   named.accuracy = StateSpaceAccuracy{{bounds.begin(), bounds.end()},
                                       {differences.begin(), differences.end()}};
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      if (model_.element(i, j).IsZero()) continue;
-      result_.differences(i, j) += differences(i);
-    }
+  for (const auto& [i, j] : Pairs(model_)) {
+    if (model_.element(i, j).IsZero()) continue;
+    result_.differences(i, j) += differences(i);
   }
   result_.states = named.system.order();
   result_.text = FormatStateSpace(named);

@@ -60,19 +60,17 @@ absl::StatusOr<std::vector<Part>> PartsOf(const ProcessModel& before,
                                           const ProcessModel& after,
                                           double sample_time) {
   std::vector<Part> parts;
-  for (int i = 0; i < after.num_outputs(); ++i) {
-    for (int j = 0; j < after.num_inputs(); ++j) {
-      const TransferFunction& old = before.element(i, j);
-      const TransferFunction& g = after.element(i, j);
-      if (IsSameElement(g, old)) continue;
-      if (g.denominator() == old.denominator() && g.delay() == old.delay()) {
-        MLE_RETURN_IF_ERROR(
-            AddPart(after, i, j, Difference(g, old), 1.0, sample_time, parts));
-        continue;
-      }
-      MLE_RETURN_IF_ERROR(AddPart(after, i, j, g, 1.0, sample_time, parts));
-      MLE_RETURN_IF_ERROR(AddPart(after, i, j, old, -1.0, sample_time, parts));
+  for (const auto& [i, j] : Pairs(after)) {
+    const TransferFunction& old = before.element(i, j);
+    const TransferFunction& g = after.element(i, j);
+    if (IsSameElement(g, old)) continue;
+    if (g.denominator() == old.denominator() && g.delay() == old.delay()) {
+      MLE_RETURN_IF_ERROR(
+          AddPart(after, i, j, Difference(g, old), 1.0, sample_time, parts));
+      continue;
     }
+    MLE_RETURN_IF_ERROR(AddPart(after, i, j, g, 1.0, sample_time, parts));
+    MLE_RETURN_IF_ERROR(AddPart(after, i, j, old, -1.0, sample_time, parts));
   }
   return parts;
 }

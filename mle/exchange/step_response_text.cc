@@ -98,14 +98,12 @@ absl::StatusOr<std::vector<ModelTable::PairOfNames>> NamesInHeader(
 absl::StatusOr<Labels> LabelsOf(const ModelTable& table,
                                 const ProcessModel& channels) {
   Labels labels;
-  for (int i = 0; i < channels.num_outputs(); ++i) {
-    for (int j = 0; j < channels.num_inputs(); ++j) {
-      const std::string label = Label(channels, i, j);
-      if (labels.emplace(label, Pair(i, j)).second) continue;
-      return table.Fault(table.header.line,
-                         absl::StrCat("'", ShowCsvText(label),
-                                      "' may be two pairs: rename a channel"));
-    }
+  for (const auto& [i, j] : Pairs(channels)) {
+    const std::string label = Label(channels, i, j);
+    if (labels.emplace(label, Pair(i, j)).second) continue;
+    return table.Fault(table.header.line,
+                       absl::StrCat("'", ShowCsvText(label),
+                                    "' may be two pairs: rename a channel"));
   }
   return labels;
 }

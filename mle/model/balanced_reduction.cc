@@ -46,20 +46,18 @@ absl::StatusOr<Responses> ResponsesOf(const ProcessModel& model,
                                       double sample_time) {
   Responses responses;
   bool any = false;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      responses.emplace_back();
-      if (model.element(i, j).IsZero()) continue;
-      any = true;
-      absl::StatusOr<HeldResponse> response =
-          HeldResponse::Create(model.element(i, j), sample_time);
-      if (!response.ok()) {
-        return absl::Status(response.status().code(),
-                            absl::StrCat(PairName(model, i, j), ": ",
-                                         response.status().message()));
-      }
-      responses.back() = *std::move(response);
+  for (const auto& [i, j] : Pairs(model)) {
+    responses.emplace_back();
+    if (model.element(i, j).IsZero()) continue;
+    any = true;
+    absl::StatusOr<HeldResponse> response =
+        HeldResponse::Create(model.element(i, j), sample_time);
+    if (!response.ok()) {
+      return absl::Status(response.status().code(),
+                          absl::StrCat(PairName(model, i, j), ": ",
+                                       response.status().message()));
     }
+    responses.back() = *std::move(response);
   }
   if (any) return responses;
   return InvalidArgument("state-space model: every element of '", model.name(),
@@ -147,18 +145,16 @@ absl::StatusOr<Wanted> WantedOf(const ProcessModel& model,
   wanted.responses.gains = StaticGains(model);
   wanted.slopes = MatrixXd::Zero(model.num_outputs(), model.num_inputs());
   wanted.sizes = wanted.slopes;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& g = model.element(i, j);
-      if (g.IsIntegrating()) {
-        const int whole = responses[i * model.num_inputs() + j]->whole_delay;
-        MLE_RETURN_IF_ERROR(TakeOffRamp(g, i, j, whole, delays, wanted));
-      }
-      double& size = wanted.sizes(i, j);
-      size = std::abs(wanted.responses.gains(i, j));
-      size = std::max(size, response.element(i, j).cwiseAbs().maxCoeff());
-      if (!(size > 0.0)) size = 1.0;
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& g = model.element(i, j);
+    if (g.IsIntegrating()) {
+      const int whole = responses[i * model.num_inputs() + j]->whole_delay;
+      MLE_RETURN_IF_ERROR(TakeOffRamp(g, i, j, whole, delays, wanted));
     }
+    double& size = wanted.sizes(i, j);
+    size = std::abs(wanted.responses.gains(i, j));
+    size = std::max(size, response.element(i, j).cwiseAbs().maxCoeff());
+    if (!(size > 0.0)) size = 1.0;
   }
   return wanted;
 }

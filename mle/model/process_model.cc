@@ -128,20 +128,16 @@ absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
 
 Eigen::MatrixXd StaticGains(const ProcessModel& model) {
   Eigen::MatrixXd gains(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      gains(i, j) = model.element(i, j).StaticGain();
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    gains(i, j) = model.element(i, j).StaticGain();
   }
   return gains;
 }
 
 Eigen::MatrixXi IntegrationOrders(const ProcessModel& model) {
   Eigen::MatrixXi orders(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      orders(i, j) = model.element(i, j).IntegrationOrder();
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    orders(i, j) = model.element(i, j).IntegrationOrder();
   }
   return orders;
 }
@@ -156,10 +152,8 @@ bool IsIntegrating(const ProcessModel& model, int output) {
 
 int NumElements(const ProcessModel& model) {
   int count = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      count += model.element(i, j).IsZero() ? 0 : 1;
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    count += model.element(i, j).IsZero() ? 0 : 1;
   }
   return count;
 }
@@ -175,32 +169,42 @@ std::vector<bool> IntegratingOutputs(const ProcessModel& model) {
 absl::Status CheckNotIntegrating(const ProcessModel& model,
                                  std::string_view what) {
   const Eigen::MatrixXi orders = IntegrationOrders(model);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (orders(i, j) == 0) continue;
-      return InvalidArgument(
-          PairName(model, i, j),
-          " integrates (a pole at s = 0: a level, a pressure, an inventory); ",
-          std::string(what));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    if (orders(i, j) == 0) continue;
+    return InvalidArgument(
+        PairName(model, i, j),
+        " integrates (a pole at s = 0: a level, a pressure, an inventory); ",
+        std::string(what));
   }
   return absl::OkStatus();
 }
 
 double SettlingTime(const ProcessModel& model) {
   double longest = 0.0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& element = model.element(i, j);
-      if (element.IsZero()) continue;
-      const double T = element.SlowestTimeConstant();
-      longest =
-          std::max(longest, element.IsIntegrating()
-                                ? kLevelSettlingTimes * (element.delay() + T)
-                                : element.delay() + 5.0 * T);
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& element = model.element(i, j);
+    if (element.IsZero()) continue;
+    const double T = element.SlowestTimeConstant();
+    longest =
+        std::max(longest, element.IsIntegrating()
+                              ? kLevelSettlingTimes * (element.delay() + T)
+                              : element.delay() + 5.0 * T);
   }
   return longest;
+}
+
+std::vector<InputRole> InputRoles(const ProcessModel& model) {
+  std::vector<InputRole> roles;
+  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
+  return roles;
+}
+
+std::vector<PairPlace> Pairs(const ProcessModel& model) {
+  std::vector<PairPlace> pairs;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) pairs.push_back({i, j});
+  }
+  return pairs;
 }
 
 std::string PairName(const ProcessModel& model, int output, int input) {

@@ -137,14 +137,12 @@ absl::StatusOr<ProcessModel> ParseProcessModel(std::string_view json,
 
 std::string FormatProcessModel(const ProcessModel& model) {
   std::vector<std::string> elements;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& g = model.element(i, j);
-      if (g.IsZero()) continue;
-      elements.push_back(absl::StrCat(
-          "\"output\": ", QuotedJson(model.outputs()[i].name), ", \"input\": ",
-          QuotedJson(model.inputs()[j].name), ", ", FormatDynamics(g)));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& g = model.element(i, j);
+    if (g.IsZero()) continue;
+    elements.push_back(absl::StrCat(
+        "\"output\": ", QuotedJson(model.outputs()[i].name), ", \"input\": ",
+        QuotedJson(model.inputs()[j].name), ", ", FormatDynamics(g)));
   }
   return absl::StrCat("{\n", FormatChannels(model),
                       ",\n  \"elements\": ", FormatJsonObjects(elements),

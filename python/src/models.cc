@@ -23,13 +23,6 @@ namespace py = pybind11;
 constexpr double kMostSamples = 1e8;
 
 template <typename Channel>
-std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  for (const Channel& channel : channels) names.push_back(channel.name);
-  return names;
-}
-
-template <typename Channel>
 std::vector<std::string> UnitsOf(const std::vector<Channel>& channels) {
   std::vector<std::string> units;
   for (const Channel& channel : channels) units.push_back(channel.unit);
