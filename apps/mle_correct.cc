@@ -109,6 +109,13 @@ std::string DescribeProposals(const std::vector<TagProposal>& proposals,
 
 // Text that mle_correct prints.
 
+// "kind: text", on standard error.
+void PrintMessages(const char* kind, const std::vector<Message>& messages) {
+  for (const Message& message : messages) {
+    std::cerr << kind << ": " << Shown(message) << "\n";
+  }
+}
+
 void PrintDetails(const Result& result) {
   PrintMessages("warning", result.warnings);
   std::cout << "\n";
@@ -150,13 +157,6 @@ void PrintMemory() {
   constexpr long kKibibytes = 1024;  // of a MiB
   std::cerr << "at most " << (usage.ru_maxrss + kKibibytes - 1) / kKibibytes
             << " MiB of memory were used\n";
-}
-
-// "kind: text", on standard error.
-void PrintMessages(const char* kind, const std::vector<Message>& messages) {
-  for (const Message& message : messages) {
-    std::cerr << kind << ": " << Shown(message) << "\n";
-  }
 }
 
 // The verdict in at most six lines; with --verbose also what it rests on, and

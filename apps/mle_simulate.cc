@@ -22,9 +22,8 @@ constexpr char kUsage[] =
     "--plant=configs/wood_berry_gain.json \\\n"
     "      --setpoints=overhead:500:1 --out=run.csv\n\n"
     "Times are in the model's time unit; inputs and outputs are deviations "
-    "from "
-    "the operating\npoint. Exit codes: 0 done, 1 ran but the loop is unstable, "
-    "2 bad input or flags.";
+    "from the operating\npoint. Exit codes: 0 done, 1 ran but the loop is "
+    "unstable, 2 bad input or flags.";
 
 absl::StatusOr<int> Run(simulate::Request& request, OptionTable& table) {
   const absl::Status complete = simulate::Complete(request, table);

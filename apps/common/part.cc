@@ -36,8 +36,7 @@ absl::StatusOr<Part> ParsePart(const std::string& text) {
       !absl::SimpleAtoi(numbers[1], &part.count) || part.number < 1 ||
       part.count > kMostParts || part.number > part.count) {
     return InvalidArgument(
-        "it must be a number and how many there are, such as 3/16; "
-        "at most ",
+        "it must be a number and how many there are, such as 3/16; at most ",
         kMostParts, " parts");
   }
   part.text = absl::StrCat(part.number, "/", part.count);

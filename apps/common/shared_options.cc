@@ -155,8 +155,7 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
        "Estimator of the corrected model."},
       {"false_alarm_probability", &output_error.false_alarm_probability,
        "Probability of a false alarm of all tests of no change together, and "
-       "of "
-       "naming an element that has not changed.",
+       "of naming an element that has not changed.",
        "", kProbability},
       {"confidence", &output_error.confidence,
        "Confidence level of the intervals.", "", kProbability},

@@ -236,8 +236,7 @@ Tuning AdviseTuning(const Result& result) {
           ? "Controller tuning, from the tuning given by the flags to the "
             "tuning for the corrected model:"
           : "Controller tuning by published rules, from the controller's model "
-            "to "
-            "the corrected model. The controller's own tuning was not given "
+            "to the corrected model. The controller's own tuning was not given "
             "(--control_period and others).";
   tuning.reasons = *reasons;
   return tuning;
@@ -259,9 +258,8 @@ std::vector<std::string> Advise(const Result& result) {
       advice.push_back(absl::StrCat(
           "Use the corrected model in the controller: ",
           ModelCorrectedText(result),
-          "model.json has its "
-          "transfer functions, fopdt.json those of first order nearest to "
-          "them, ",
+          "model.json has its transfer functions, fopdt.json those of first "
+          "order nearest to them, ",
           result.corrected.has_arx() ? "arx.json its ARX form for prediction, "
                                      : "",
           result.state_space.model.has_value()

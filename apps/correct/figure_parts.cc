@@ -25,9 +25,7 @@ std::string TimeLabel(const Result& result, const std::string& what) {
 report::NamedFigure NewFigure(const std::string& name,
                               const std::string& caption, int rows, int columns,
                               double row_height_cm) {
-  report::NamedFigure named;
-  named.name = name;
-  named.caption = caption;
+  report::NamedFigure named{.name = name, .caption = caption};
   named.figure.columns = columns;
   named.figure.width_cm =
       std::clamp(kPanelWidthCm * columns, 2.0 * kPanelWidthCm, kMaxWidthCm);

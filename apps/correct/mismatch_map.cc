@@ -148,12 +148,11 @@ report::Table ChangeList(const Result& result) {
                      return SizeOfChange(result, one.first, one.second) >
                             SizeOfChange(result, other.first, other.second);
                    });
-  report::Table table;
-  table.caption = "Changes by element, the largest first";
-  table.columns = {{"element", report::Align::kLeft},
-                   {"step response by"},
-                   {"what has changed", report::Align::kLeft}};
-  table.searchable = true;
+  report::Table table{.caption = "Changes by element, the largest first",
+                      .columns = {{"element", report::Align::kLeft},
+                                  {"step response by"},
+                                  {"what has changed", report::Align::kLeft}},
+                      .searchable = true};
   for (const auto& [i, j] : named) {
     const double size = SizeOfChange(result, i, j);
     const std::string percent =

@@ -1,13 +1,10 @@
 #include "apps/correct/outputs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string_view>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "apps/common/sha256.h"

@@ -56,12 +56,12 @@ std::string WithLimits(double value, double lower, double upper) {
 void AddSinceLastRun(const Result& result, report::HtmlPage& page) {
   const PreviousRun& last = *result.request.last;
   const ProcessModel& model = result.initial;
-  report::Table table;
-  table.caption = "Estimates that differ by more than both intervals";
-  table.columns = {{"element", Align::kLeft},
-                   {"value", Align::kLeft},
-                   {"last run"},
-                   {"now"}};
+  report::Table table{
+      .caption = "Estimates that differ by more than both intervals",
+      .columns = {{"element", Align::kLeft},
+                  {"value", Align::kLeft},
+                  {"last run"},
+                  {"now"}}};
   for (const PreviousEstimate& then : last.estimates) {
     const int output = NumberOf(model.outputs(), then.output);
     const int input = NumberOf(model.inputs(), then.input);
@@ -92,7 +92,6 @@ using Figures = std::vector<DrawnFigure>;
 
 // Tables with more rows are folded.
 constexpr std::size_t kMostOpenRows = 8;
-constexpr std::size_t kMostWarnings = 3;
 
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
 // same bytes are wanted again (reproducible-builds.org); and what it is about.
@@ -116,41 +115,34 @@ std::string WhenMade(const Result& result) {
   return text + ".";
 }
 
-report::Badge BadgeOf(const Result& result) {
-  if (!result.usable()) return report::Badge::kUnknown;
+// Badge and headline.
+report::Verdict OpeningOf(const Result& result) {
+  using report::Badge;
+  const std::string headline = Headline(result);
+  if (!result.usable()) return {Badge::kUnknown, "not usable", headline, {}};
   switch (result.decision) {
     case Decision::kNoChange:
-      return report::Badge::kGood;
+      return {Badge::kGood, "unchanged", headline, {}};
     case Decision::kCorrected:
-      return report::Badge::kChanged;
+      return {Badge::kChanged, "corrected", headline, {}};
     case Decision::kCannotTell:
       break;
   }
-  return report::Badge::kUnknown;
+  return {Badge::kUnknown, "cannot tell", headline, {}};
 }
 
-std::string LabelOf(const Result& result) {
-  if (!result.usable()) return "not usable";
-  switch (result.decision) {
-    case Decision::kNoChange:
-      return "unchanged";
-    case Decision::kCorrected:
-      return "corrected";
-    case Decision::kCannotTell:
-      break;
-  }
-  return "cannot tell";
+std::vector<std::string> ShownOf(const std::vector<Message>& messages) {
+  std::vector<std::string> texts;
+  for (const Message& message : messages) texts.push_back(Shown(message));
+  return texts;
 }
 
 void SetVerdict(const Result& result, HtmlPage& page) {
-  report::Verdict verdict = {
-      BadgeOf(result), LabelOf(result), Headline(result), {}};
-  verdict.sentences.push_back(Instruction(result));
-  verdict.sentences.push_back(ReasonBesideHeadline(result));
-  verdict.sentences.push_back(SignNote(result));
-  verdict.sentences.push_back(WhatItIsWorth(result));
-  verdict.sentences.push_back(
-      absl::StrCat(WhenMade(result), " ", IntervalNote(result)));
+  report::Verdict verdict = OpeningOf(result);
+  verdict.sentences = {
+      Instruction(result), ReasonBesideHeadline(result), SignNote(result),
+      WhatItIsWorth(result),
+      absl::StrCat(WhenMade(result), " ", IntervalNote(result))};
   std::erase(verdict.sentences, "");
   page.SetVerdict(std::move(verdict));
 }
@@ -159,14 +151,7 @@ void AddWarnings(const Result& result, HtmlPage& page) {
   for (const Message& failure : result.failures) {
     page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
   }
-  const bool many = result.warnings.size() > kMostWarnings;
-  if (many) {
-    page.OpenFold(absl::StrCat(result.warnings.size(), " warnings"));
-  }
-  for (const Message& warning : result.warnings) {
-    page.AddWarning(Shown(warning));
-  }
-  if (many) page.CloseFold();
+  page.AddWarnings(ShownOf(result.warnings));
 }
 
 void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
@@ -174,12 +159,8 @@ void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
   if (const report::Table changes = ChangeMap(result); !changes.rows.empty()) {
     page.AddTable(changes);
   }
-  if (const std::string others = WhatOthersShow(result); !others.empty()) {
-    page.AddParagraph(others);
-  }
-  if (const std::string why = WhyNotEstimated(result); !why.empty()) {
-    page.AddParagraph(why);
-  }
+  page.AddParagraph(WhatOthersShow(result));
+  page.AddParagraph(WhyNotEstimated(result));
   if (result.request.last.has_value()) AddSinceLastRun(result, page);
   AddFigure(figures, "changed_responses", page);
   if (HasFigure(figures, "step_responses")) {
@@ -220,10 +201,7 @@ void AddForTheController(const Result& result, HtmlPage& page) {
   }
   page.AddTableToCopy(ControllerTable(result, true),
                       ControllerTable(result, false));
-  if (const std::string where = WhereFirstOrderIsNotNear(result);
-      !where.empty()) {
-    page.AddParagraph(where);
-  }
+  page.AddParagraph(WhereFirstOrderIsNotNear(result));
   if (result.accepted()) page.OpenFold("The same as files");
   page.AddFiles(FilesOf(result));
   page.CloseFold();
@@ -290,15 +268,11 @@ void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
   }
   page.AddTable(WindowTable(result.data, result.initial));
   if (many) page.CloseFold();
-  if (const std::string how = HowToLeaveOut(result); !how.empty()) {
-    page.AddParagraph(how);
-  }
+  page.AddParagraph(HowToLeaveOut(result));
   page.OpenFold("Files, channels and what was found in them");
   page.AddTable(FileTable(result.data, result.files, result.initial));
   page.AddTable(ChannelTable(result.data, result.initial));
-  std::vector<std::string> notes;
-  for (const Message& note : result.notes) notes.push_back(Shown(note));
-  if (!notes.empty()) page.AddList(notes);
+  if (!result.notes.empty()) page.AddList(ShownOf(result.notes));
   AddFigure(figures, "records", page);
   page.CloseFold();
 }

@@ -93,8 +93,7 @@ TextValue TimesOrDates(std::vector<double>* times,
       } else {
         return InvalidArgument(
             "'", part,
-            "' is not a number, nor a date such as 2024-02-29 "
-            "12:34");
+            "' is not a number, nor a date such as 2024-02-29 12:34");
       }
     }
     return absl::OkStatus();
@@ -207,8 +206,7 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
        "Records after this time are not read; a day alone is its midnight."},
       {"separate_files", &import.separate_files,
        "Files whose times are numbers are taken one after another, in the "
-       "order "
-       "given, whatever their times: each may begin at 0."},
+       "order given, whatever their times: each may begin at 0."},
       {"separator",
        OneOf<char>(&import.separator, {{"recognise", '\0', ""},
                                        {"comma", ',', ""},
@@ -308,9 +306,8 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
       {"mode_tag", ModeTags(&options.modes),
        "Tags that say when the controller was in use (TAG), or the loop of an "
        "output or below an input (TAG=CHANNEL), separated by commas; words "
-       "such "
-       "as MAN, AUTO, CAS, SHED, or 1 and 0. Moves of inputs by hand count as "
-       "changes."},
+       "such as MAN, AUTO, CAS, SHED, or 1 and 0. Moves of inputs by hand "
+       "count as changes."},
       {"change_times",
        TimesOrDates(&windows.change_times, &options.change_dates),
        "Times of set-point changes, for records without set points, ascending "

@@ -25,16 +25,14 @@ std::vector<Option> FileOptions(Request& request) {
        "--table or --query. Must be given."},
       {"out", &request.out,
        "Folder for report.html, result.json, model.json, model.mat, "
-       "fopdt.json, "
-       "arx.json, state_space.json, step_response.csv and, of a --model in "
-       "another form, model_corrected."},
+       "fopdt.json, arx.json, state_space.json, step_response.csv and, of a "
+       "--model in another form, model_corrected."},
       {"truth", &request.truth_path,
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},
       {"outputs", Words(&request.outputs),
        "Outputs that are judged and corrected, separated by commas; empty: "
-       "all. "
-       "Columns of the others are not needed."},
+       "all. Columns of the others are not needed."},
       {"dry_run", &request.dry_run,
        "Only reads the records and reports on them."},
       {"verbose", &request.verbose,
@@ -44,8 +42,7 @@ std::vector<Option> FileOptions(Request& request) {
        "output; the files are written as well."},
       {"propose_tags", &request.propose_tags,
        "Only writes this file for --tag_file, with a row for each column of "
-       "the "
-       "records and the channel whose name is nearest, to be checked."},
+       "the records and the channel whose name is nearest, to be checked."},
       {"previous", &request.previous,
        "Folder of the last run (its --out): the page compares the results."},
       {"figures", &request.figures,

@@ -89,15 +89,14 @@ Table ParameterTable(const Result& result) {
   const ProcessModel& model = result.initial;
   const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
   const bool shown = result.accepted() && result.corrected.process.has_value();
-  Table table;
-  table.caption = absl::StrCat("Elements; times in ", model.time_unit());
-  table.columns = {{"element", Align::kLeft},
-                   {"value", Align::kLeft},
-                   {"controller's model"},
-                   {"all elements free"},
-                   {"written"},
-                   {"p, no change"},
-                   {"records", Align::kLeft}};
+  Table table{.caption = absl::StrCat("Elements; times in ", model.time_unit()),
+              .columns = {{"element", Align::kLeft},
+                          {"value", Align::kLeft},
+                          {"controller's model"},
+                          {"all elements free"},
+                          {"written"},
+                          {"p, no change"},
+                          {"records", Align::kLeft}}};
   for (const auto& [i, j] : Pairs(model)) {
     const ElementEstimate& full = output_error.full.element(i, j);
     const ElementEstimate& written = output_error.corrected.element(i, j);
@@ -137,16 +136,15 @@ Table ParameterTable(const Result& result) {
 
 Table FopdtTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  Table table;
-  table.caption = absl::StrCat(
-      "The model written as first-order elements with dead time, and of second "
-      "order where these are not near; times in ",
-      model.time_unit());
-  table.columns = {{"element", Align::kLeft},
-                   {"gain"},
-                   {"time constant"},
-                   {"dead time"},
-                   {"fit", Align::kLeft}};
+  Table table{.caption = absl::StrCat(
+                  "The model written as first-order elements with dead time, "
+                  "and of second order where these are not near; times in ",
+                  model.time_unit()),
+              .columns = {{"element", Align::kLeft},
+                          {"gain"},
+                          {"time constant"},
+                          {"dead time"},
+                          {"fit", Align::kLeft}}};
   for (const auto& [i, j] : Pairs(model)) {
     const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
     if (element.shape == FopdtShape::kNoResponse) continue;
@@ -179,15 +177,14 @@ Table FopdtTable(const Result& result) {
 Table ValidationTable(const Result& result) {
   const Validation& validation = result.validation;
   const bool held_out = validation.held_out;
-  Table table;
-  table.caption =
-      absl::StrCat(held_out ? "Fit on parts of windows held out"
-                            : "Fit of the controller's model on all windows",
-                   ": 100 % is a perfect prediction, 0 % as good as the mean");
-  table.columns = {{"output, model", Align::kLeft},
-                   {"one step ahead"},
-                   {Ahead(result)},
-                   {"simulated"}};
+  Table table{.caption = absl::StrCat(
+                  held_out ? "Fit on parts of windows held out"
+                           : "Fit of the controller's model on all windows",
+                  ": 100 % is a perfect prediction, 0 % as good as the mean"),
+              .columns = {{"output, model", Align::kLeft},
+                          {"one step ahead"},
+                          {Ahead(result)},
+                          {"simulated"}}};
   const auto add = [&](int i, const char* row, const auto& cell) {
     const OutputScores& scores = validation.outputs[i];
     table.AddRow({absl::StrCat(result.initial.outputs()[i].name, ", ", row),
@@ -213,12 +210,12 @@ Table ValidationTable(const Result& result) {
 
 Table ResidualTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  Table table;
-  table.caption =
-      "Residual tests, one step ahead (p-values): whiteness; independence of "
-      "past inputs";
-  table.columns = {
-      {"output, model", Align::kLeft}, {"variance"}, {"whiteness"}};
+  Table table{
+      .caption =
+          "Residual tests, one step ahead (p-values): whiteness; independence "
+          "of past inputs",
+      .columns = {
+          {"output, model", Align::kLeft}, {"variance"}, {"whiteness"}}};
   for (const InputChannel& input : model.inputs()) {
     table.columns.push_back({input.name});
   }
@@ -240,17 +237,16 @@ Table ResidualTable(const Result& result) {
 
 Table NoiseTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  Table table;
-  table.caption = "Estimated noise of the outputs";
-  table.columns = {{"output", Align::kLeft},
-                   {"white: standard deviation"},
-                   {"drift: standard deviation after 100 samples"},
-                   {"coloured: standard deviation"},
-                   {"coloured: time constant"},
-                   {"coloured: damping"},
-                   {"periods"},
-                   {"steps"},
-                   {"offset of each window", Align::kLeft}};
+  Table table{.caption = "Estimated noise of the outputs",
+              .columns = {{"output", Align::kLeft},
+                          {"white: standard deviation"},
+                          {"drift: standard deviation after 100 samples"},
+                          {"coloured: standard deviation"},
+                          {"coloured: time constant"},
+                          {"coloured: damping"},
+                          {"periods"},
+                          {"steps"},
+                          {"offset of each window", Align::kLeft}}};
   const TimeNames times = result.data.Times(model);
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& noise = result.estimate.setting.noise[i];
@@ -322,16 +318,16 @@ std::string WhereFirstOrderIsNotNear(const Result& result) {
 Table ControllerTable(const Result& result, bool with_intervals) {
   const ProcessModel& model = result.initial;
   const std::string time = absl::StrCat(" (", model.time_unit(), ")");
-  Table table;
-  table.caption =
-      "The model as first-order elements with dead time, changed ones coloured";
-  table.stacked = true;
-  table.columns = {{"output", Align::kLeft},
-                   {"input", Align::kLeft},
-                   {"gain"},
-                   {"time constant" + time},
-                   {"dead time" + time},
-                   {"before", Align::kLeft}};
+  Table table{.caption =
+                  "The model as first-order elements with dead time, changed "
+                  "ones coloured",
+              .columns = {{"output", Align::kLeft},
+                          {"input", Align::kLeft},
+                          {"gain"},
+                          {"time constant" + time},
+                          {"dead time" + time},
+                          {"before", Align::kLeft}},
+              .stacked = true};
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
@@ -357,12 +353,12 @@ Table ControllerTable(const Result& result, bool with_intervals) {
 
 Table FitTable(const Result& result) {
   const Validation& validation = result.validation;
-  Table table;
-  table.caption = absl::StrCat(
-      "How well each output is predicted, ", Ahead(result),
-      validation.held_out ? ", in data held out" : ", in all windows",
-      " (100 %: perfectly, 0 %: as by the mean)");
-  table.columns = {{"output", Align::kLeft}, {"controller's model"}};
+  Table table{
+      .caption = absl::StrCat(
+          "How well each output is predicted, ", Ahead(result),
+          validation.held_out ? ", in data held out" : ", in all windows",
+          " (100 %: perfectly, 0 %: as by the mean)"),
+      .columns = {{"output", Align::kLeft}, {"controller's model"}}};
   if (validation.held_out) table.columns.push_back({"corrected model"});
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const HorizonScore& score = validation.outputs[i].several_steps;
@@ -376,14 +372,13 @@ Table FitTable(const Result& result) {
 
 Table CertificateTable(const Result& result) {
   const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
-  Table table;
-  table.caption = "Certificate of the output-error fits";
-  table.columns = {{"output", Align::kLeft},
-                   {"step to the optimum (standard deviations)"},
-                   {"rank"},
-                   {"condition"},
-                   {"iterations"},
-                   {"dead-time search", Align::kLeft}};
+  Table table{.caption = "Certificate of the output-error fits",
+              .columns = {{"output", Align::kLeft},
+                          {"step to the optimum (standard deviations)"},
+                          {"rank"},
+                          {"condition"},
+                          {"iterations"},
+                          {"dead-time search", Align::kLeft}}};
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const FitCertificate& certificate = fit.certificates[i];
     const bool free = certificate.num_parameters > 0;

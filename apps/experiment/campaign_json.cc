@@ -145,8 +145,8 @@ absl::Status ParseSolver(const JsonNode& node, const Campaign& campaign,
   spec.options.solver = LassoSolver::kElasticNet;
   if (campaign.settings.correction.lambdas(0) > 0.0) return absl::OkStatus();
   return node.Fault(
-      "the elastic net needs λ above 0, but the first value of lambda_grid "
-      "is 0: give min, max and count");
+      "the elastic net needs λ above 0, but the first value of lambda_grid is "
+      "0: give min, max and count");
 }
 
 absl::StatusOr<Method> ParseEstimator(const JsonNode& node) {

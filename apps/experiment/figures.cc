@@ -99,12 +99,12 @@ const std::vector<double>* Shown(const Cell& cell, Metric metric) {
 
 NamedFigure DistributionFigure(const Campaign& campaign,
                                const std::vector<Group>& groups) {
-  NamedFigure named;
-  named.name = "distribution";
-  named.caption =
-      "Squared distance E of the estimated model from the plant: share of the "
-      "seeds whose E is at most that on the axis. The vertical line is the "
-      "initial model (median).";
+  NamedFigure named{
+      .name = "distribution",
+      .caption =
+          "Squared distance E of the estimated model from the plant: share of "
+          "the seeds whose E is at most that on the axis. The vertical line is "
+          "the initial model (median)."};
   for (const Group& group : groups) {
     Panel panel;
     panel.title = group.title;

@@ -68,10 +68,9 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
   struct stat there = {};
   const bool exists = stat(path.c_str(), &there) == 0 && there.st_size > 0;
   if (exists && !resume) {
-    return InvalidArgument(
-        path,
-        ": there is a campaign in this folder already: resume it "
-        "with --resume, or use another folder");
+    return InvalidArgument(path,
+                           ": there is a campaign in this folder already: "
+                           "resume it with --resume, or use another folder");
   }
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) return FileError(path, "cannot be opened");
@@ -103,11 +102,10 @@ absl::Status Journal::TakeLine(const JournalHead& head, std::string_view line,
     return absl::OkStatus();
   }
   if (IsDone(*run)) {
-    return BadLine(
-        path_, number,
-        absl::StrCat("run ", *run,
-                     " is duplicated; remove the line that is wrong, "
-                     "or both for it to be run again"));
+    return BadLine(path_, number,
+                   absl::StrCat("run ", *run,
+                                " is duplicated; remove the line that is "
+                                "wrong, or both for it to be run again"));
   }
   offsets_[*run] = begin;
   ++num_done_;

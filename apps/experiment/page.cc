@@ -61,18 +61,21 @@ void AddFigures(const Figures& figures, HtmlPage& page) {
   AddFigure(figures, "distribution", page);
 }
 
+void AddFolded(const char* title, const report::Table& table, HtmlPage& page) {
+  page.OpenFold(title);
+  page.AddTable(table);
+  page.CloseFold();
+}
+
 void AddDetails(const Campaign& campaign, const StudySummary& summary,
                 HtmlPage& page) {
   const Rows rows = {0, kRowsFolded};
-  page.OpenFold("Means and extremes of E");
-  page.AddTable(MeanTable(campaign, summary, rows));
-  page.CloseFold();
-  page.OpenFold("Gains and dead times");
-  page.AddTable(ElementTable(campaign, summary, rows));
-  page.CloseFold();
-  page.OpenFold("λ chosen, and the best in hindsight");
-  page.AddTable(LambdaTable(campaign, summary, rows));
-  page.CloseFold();
+  AddFolded("Means and extremes of E", MeanTable(campaign, summary, rows),
+            page);
+  AddFolded("Gains and dead times", ElementTable(campaign, summary, rows),
+            page);
+  AddFolded("λ chosen, and the best in hindsight",
+            LambdaTable(campaign, summary, rows), page);
   page.OpenFold("Failures and certificate");
   if (summary.failures.empty()) {
     page.AddParagraph("No run failed.");

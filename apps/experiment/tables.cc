@@ -88,19 +88,18 @@ report::Table CellTable(const Campaign& campaign, const StudySummary& summary,
 
 report::Table MethodTable(const Campaign& campaign,
                           const StudySummary& summary) {
-  report::Table table;
-  table.caption =
-      "Methods over all scenarios. Left: E after over E before, medians over "
-      "the seeds";
-  table.columns = {{"method", report::Align::kLeft},
-                   {"scenarios"},
-                   {"closer"},
-                   {"unchanged"},
-                   {"farther"},
-                   {"closest of all"},
-                   {"left of E"},
-                   {"worst scenario"},
-                   {"runs harmed"}};
+  report::Table table{.caption =
+                          "Methods over all scenarios. Left: E after over E "
+                          "before, medians over the seeds",
+                      .columns = {{"method", report::Align::kLeft},
+                                  {"scenarios"},
+                                  {"closer"},
+                                  {"unchanged"},
+                                  {"farther"},
+                                  {"closest of all"},
+                                  {"left of E"},
+                                  {"worst scenario"},
+                                  {"runs harmed"}}};
   for (const MethodTally& tally : TallyMethods(campaign, summary)) {
     const double share =
         tally.runs > 0 ? tally.harmed / static_cast<double>(tally.runs) : NAN;
@@ -186,10 +185,10 @@ report::Table ElementTable(const Campaign& campaign,
 }
 
 report::Table FailureTable(const StudySummary& summary) {
-  report::Table table;
-  table.caption = "Runs that failed";
-  table.columns = {{"why (# stands for a number)", report::Align::kLeft},
-                   {"runs"}};
+  report::Table table{
+      .caption = "Runs that failed",
+      .columns = {{"why (# stands for a number)", report::Align::kLeft},
+                  {"runs"}}};
   for (const auto& [kind, count] : summary.failures) {
     table.AddRow({kind, FormatInteger(count)});
   }

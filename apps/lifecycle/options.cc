@@ -67,9 +67,9 @@ std::vector<Option> LifeOptionsOf(Request& request) {
        "", kPositive},
       {"policies", PoliciesOf(campaign),
        "Policies to compare: never; output_error:N, combined:N, arx:N "
-       "(corrected "
-       "after every N-th set-point change); test:M (a step test every M "
-       "months); on_demand:T (a step test when the performance index of a "
+       "(corrected after every N-th set-point change); test:M (a step test "
+       "every M months); on_demand:T (a step test when the performance index "
+       "of a "
        "change falls below T); perfect."},
       {"seeds", &request.seeds, "Number of seeds.", "", kSeeds},
       {"first_seed", &request.first_seed, "First of the consecutive seeds."},
@@ -226,10 +226,9 @@ absl::StatusOr<double> ParseHours(const std::string& text) {
       if (text.substr(end) == name) return number * hours;
     }
   }
-  return InvalidArgument(
-      "'", text,
-      "' is not a duration; a number > 0 with one of the units "
-      "s, min, h, d, w, y is needed, as in 30d");
+  return InvalidArgument("'", text,
+                         "' is not a duration; a number > 0 with one of the "
+                         "units s, min, h, d, w, y is needed, as in 30d");
 }
 
 TextValue Hours(double* hours, std::string text) {

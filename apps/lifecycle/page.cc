@@ -20,9 +20,6 @@ using report::HtmlPage;
 
 using Figures = std::vector<report::DrawnFigure>;
 
-// More of them are folded.
-constexpr std::size_t kMostWarnings = 3;
-
 void AddWarnings(const std::vector<RateSummary>& summaries, std::size_t lives,
                  HtmlPage& page) {
   std::vector<std::string> warnings;
@@ -35,10 +32,7 @@ void AddWarnings(const std::vector<RateSummary>& summaries, std::size_t lives,
           lives == 1 ? " life" : " lives", "; its cost is not known."));
     }
   }
-  const bool many = warnings.size() > kMostWarnings;
-  if (many) page.OpenFold(absl::StrCat(warnings.size(), " warnings"));
-  for (const std::string& warning : warnings) page.AddWarning(warning);
-  if (many) page.CloseFold();
+  page.AddWarnings(warnings);
 }
 
 // That the old model may cost less than the plant's own.

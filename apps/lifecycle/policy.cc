@@ -39,9 +39,9 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
   policy.estimator = estimator;
   MLE_ASSIGN_OR_RETURN(const double every, Argument(part, 1.0));
   if (!(every >= 1.0) || every > kMaxChanges || every != std::floor(every)) {
-    return WrongPart(part,
-                     "after the colon a whole number of set-point changes "
-                     "≥ 1 is needed");
+    return WrongPart(
+        part,
+        "after the colon a whole number of set-point changes ≥ 1 is needed");
   }
   policy.every = static_cast<int>(every);
   policy.name = absl::StrCat(std::string(NameOf(estimator)), ":", policy.every);
@@ -172,10 +172,10 @@ PolicyWords WordsOf(const Policy& policy) {
               "The controller keeps the model of its commissioning. When: "
               "never."};
     case Policy::Kind::kPerfect:
-      return {"perfect model (the floor)", "Have a perfect model",
-              "The controller always has the plant's own model, at no cost: "
-              "not a way to work but the floor by which the others are "
-              "judged."};
+      return {
+          "perfect model (the floor)", "Have a perfect model",
+          "The controller always has the plant's own model, at no cost: not a "
+          "way to work but the floor by which the others are judged."};
     case Policy::Kind::kTest: {
       const std::string when = Months(absl::StrCat(policy.months));
       return {absl::StrCat("step test ", when),

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "mle/maintain/estimation.h"
 
 namespace mle::lifecycle {
 

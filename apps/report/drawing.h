@@ -34,11 +34,11 @@ absl::StatusOr<std::string> ConvertSvg(std::string_view svg, Format format,
                                        const ConvertOptions& options = {});
 
 struct NamedFigure {
-  std::string name;     // of its files, without extension
-  std::string caption;  // says what is shown, in a page
+  std::string name = {};     // of its files, without extension
+  std::string caption = {};  // says what is shown, in a page
   // The same to those who cannot see it; empty: the caption.
-  std::string alt;
-  Figure figure;
+  std::string alt = {};
+  Figure figure = {};
 };
 
 // The file of each picture, or why there is none.

@@ -227,6 +227,7 @@ void HtmlPage::AddSubheading(std::string_view text) {
 }
 
 void HtmlPage::AddParagraph(std::string_view text) {
+  if (text.empty()) return;
   body_ += "<p>" + Prose(text) + "</p>\n";
 }
 
@@ -251,6 +252,14 @@ void HtmlPage::AddTerms(
 
 void HtmlPage::AddWarning(std::string_view text) {
   body_ += Warning(Prose(text));
+}
+
+void HtmlPage::AddWarnings(const std::vector<std::string>& texts) {
+  constexpr std::size_t kMostOpen = 3;
+  const bool many = texts.size() > kMostOpen;
+  if (many) OpenFold(std::to_string(texts.size()) + " warnings");
+  for (const std::string& text : texts) AddWarning(text);
+  if (many) CloseFold();
 }
 
 void HtmlPage::OpenFold(std::string_view title) {

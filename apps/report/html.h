@@ -82,11 +82,13 @@ class HtmlPage {
   // A section; from three on, the page opens with a table of contents.
   void AddHeading(std::string_view text);
   void AddSubheading(std::string_view text);
-  void AddParagraph(std::string_view text);
+  void AddParagraph(std::string_view text);  // nothing where it is empty
   void AddList(const std::vector<std::string>& items);
   // Terms with what they mean, side by side where there is room.
   void AddTerms(const std::vector<std::pair<std::string, std::string>>& terms);
   void AddWarning(std::string_view text);
+  // In a fold where there are more than three.
+  void AddWarnings(const std::vector<std::string>& texts);
   // Content that follows, until the fold is closed, is shown when a reader
   // opens it.
   void OpenFold(std::string_view title);

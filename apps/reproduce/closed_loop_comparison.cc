@@ -185,17 +185,17 @@ absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
 report::Table ClosedLoopTable(
     const std::string& case_name, const ProcessModel& plant,
     const std::vector<const ClosedLoopComparison*>& comparisons) {
-  report::Table table;
-  table.caption = absl::StrCat("Case ", case_name,
-                               ": the plant under control, by the model in the "
-                               "controller");
-  table.columns = {{"set-point change, model", report::Align::kLeft},
-                   {"squared error"},
-                   {"of the true model's"},
-                   {"input movement"},
-                   {"overshoot"},
-                   {absl::StrCat("settling (", plant.time_unit(), ")")},
-                   {"squared error, noisy"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", case_name,
+                              ": the plant under control, by the model in the "
+                              "controller"),
+      .columns = {{"set-point change, model", report::Align::kLeft},
+                  {"squared error"},
+                  {"of the true model's"},
+                  {"input movement"},
+                  {"overshoot"},
+                  {absl::StrCat("settling (", plant.time_unit(), ")")},
+                  {"squared error, noisy"}}};
   std::array<std::vector<LoopPerformance>, 3> quiet, noisy;
   for (std::size_t i = 0; i < quiet.size(); ++i) {
     quiet[i] = Mean(comparisons, false, i);

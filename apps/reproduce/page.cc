@@ -59,8 +59,7 @@ void AddEstimators(const std::vector<CaseResult>& cases,
       "smoothed L1, first seed only; output_error: gains, time constants and "
       "dead times; combined: output_error, and shapes that the structure lacks "
       "where the records speak for them. The information bound is the E that "
-      "no "
-      "unbiased estimate of the plant's parameters can beat on average; an "
+      "no unbiased estimate of the plant's parameters can beat on average; an "
       "estimate that knows which elements have aged can.");
   for (const CaseResult& result : cases) {
     page.AddTable(EstimatorTable(result, /*with_times=*/false));

@@ -70,9 +70,9 @@ std::vector<Option> MethodOptions(Request& request) {
        "Estimators to compare on the same records, of arx (ΔR, exact), ceres "
        "(ΔR by smoothed L1; first seed only), output_error (gains, time "
        "constants, dead times), combined (output_error, and shapes that it "
-       "lacks) and none (the "
-       "initial model), each as in mle_correct or with another test of no "
-       "change behind a colon, such as arx:adequacy: calibrated, chi_square, "
+       "lacks) and none (the initial model), each as in mle_correct or with "
+       "another test of no change behind a colon, such as arx:adequacy: "
+       "calibrated, chi_square, "
        "adequacy (arx and ceres only) or none; empty for no comparison."},
       {"ablations", Words(&request.ablations),
        absl::StrCat("Decisions to be taken differently, one at a time, to "

@@ -121,11 +121,11 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
 }
 
 report::Table DistanceTable(const CaseResult& result) {
-  report::Table table;
-  table.caption = absl::StrCat(
-      "Case ", result.name, ": squared distance E of the step responses, ",
-      result.runs.size(), result.runs.size() == 1 ? " seed" : " seeds");
-  table.columns = {{"model", report::Align::kLeft}, {"λ"}};
+  report::Table table{
+      .caption = absl::StrCat(
+          "Case ", result.name, ": squared distance E of the step responses, ",
+          result.runs.size(), result.runs.size() == 1 ? " seed" : " seeds"),
+      .columns = {{"model", report::Align::kLeft}, {"λ"}}};
   const bool several = result.runs.size() > 1;
   if (several) {
     for (const char* name : {"E mean", "best", "worst", "deviation"}) {
@@ -200,14 +200,14 @@ std::string OverSeeds(const CaseResult& result) {
 }  // namespace
 
 report::Table GainTable(const CaseResult& result) {
-  report::Table table;
-  table.caption = absl::StrCat("Case ", result.name, ": corrected gains",
-                               OverSeeds(result));
-  table.columns = {{"output ← input", report::Align::kLeft},
-                   {"before → true"},
-                   {"error, step response"},
-                   {"error, FOPDT fit"},
-                   {"paper"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", result.name, ": corrected gains",
+                              OverSeeds(result)),
+      .columns = {{"output ← input", report::Align::kLeft},
+                  {"before → true"},
+                  {"error, step response"},
+                  {"error, FOPDT fit"},
+                  {"paper"}}};
   AddPairs(
       result,
       [](const ElementErrors& e, const PaperFigure* paper) {
@@ -224,15 +224,14 @@ report::Table GainTable(const CaseResult& result) {
 }
 
 report::Table DelayTable(const CaseResult& result) {
-  report::Table table;
-  table.caption =
-      absl::StrCat("Case ", result.name, ": corrected dead times (",
-                   result.plant.time_unit(), ")", OverSeeds(result));
-  table.columns = {{"output ← input", report::Align::kLeft},
-                   {"before → true"},
-                   {"at impulse peak"},
-                   {"paper, at peak"},
-                   {"error, FOPDT fit"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", result.name, ": corrected dead times (",
+                              result.plant.time_unit(), ")", OverSeeds(result)),
+      .columns = {{"output ← input", report::Align::kLeft},
+                  {"before → true"},
+                  {"at impulse peak"},
+                  {"paper, at peak"},
+                  {"error, FOPDT fit"}}};
   AddPairs(
       result,
       [](const ElementErrors& e, const PaperFigure* paper) {
@@ -309,14 +308,13 @@ std::vector<std::string> AblationRow(const AblationResult& result) {
 }  // namespace
 
 report::Table EstimatorTable(const CaseResult& result, bool with_times) {
-  report::Table table;
-  table.caption =
-      absl::StrCat("Case ", result.name, ": estimators side by side");
-  table.columns = {{"estimator", report::Align::kLeft},
-                   {"runs"},
-                   {"E mean"},
-                   {"E worst"},
-                   {"change proposed"}};
+  report::Table table{.caption = absl::StrCat("Case ", result.name,
+                                              ": estimators side by side"),
+                      .columns = {{"estimator", report::Align::kLeft},
+                                  {"runs"},
+                                  {"E mean"},
+                                  {"E worst"},
+                                  {"change proposed"}}};
   if (with_times) table.columns.push_back({"s a run"});
   // In the order of the first run, which has them all.
   for (const MethodRun& one : result.runs.front().estimators) {
@@ -351,15 +349,15 @@ report::Table AblationTable(const CaseResult& result) {
   for (std::size_t s = 0; s < result.ablations.front().runs.size(); ++s) {
     E.push_back(result.runs[s].E_star);
   }
-  report::Table table;
-  table.caption =
-      absl::StrCat("Case ", result.name, ": one decision taken differently, ",
-                   E.size(), E.size() == 1 ? " seed" : " seeds");
-  table.columns = {{"what differs", report::Align::kLeft},
-                   {"E mean"},
-                   {"E worst"},
-                   {"λ*"},
-                   {"largest duality gap"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", result.name,
+                              ": one decision taken differently, ", E.size(),
+                              E.size() == 1 ? " seed" : " seeds"),
+      .columns = {{"what differs", report::Align::kLeft},
+                  {"E mean"},
+                  {"E worst"},
+                  {"λ*"},
+                  {"largest duality gap"}}};
   const Distribution method = Describe(E, 0);
   table.AddRow({"nothing", FormatSignificant(method.mean),
                 FormatSignificant(method.max)});

@@ -60,10 +60,9 @@ absl::StatusOr<std::string> CheckedToken(absl::string_view text,
   if (token.size() < kLeastToken ||
       !std::all_of(token.begin(), token.end(),
                    [](char c) { return c > ' ' && c < '\x7f'; })) {
-    return InvalidArgument(
-        from, ": a token has at least ", kLeastToken,
-        " characters, which are letters, digits and signs of ASCII; "
-        "`openssl rand -hex 32` makes one");
+    return InvalidArgument(from, ": a token has at least ", kLeastToken,
+                           " characters, which are letters, digits and signs "
+                           "of ASCII; `openssl rand -hex 32` makes one");
   }
   return std::string(token);
 }

@@ -283,8 +283,8 @@ std::string WhyNot(const ProcessModel& model, const Watch& watch,
     if (model.inputs()[known.input].role == InputRole::kDisturbance) {
       return absl::StrCat(
           "Cannot tell what ageing costs: ", model.inputs()[known.input].name,
-          " is a measured disturbance, and how it moves is not "
-          "in the reference.");
+          " is a measured disturbance, and how it moves is not in the "
+          "reference.");
     }
   }
   const double periods = controller.tuning->control_period / watch.sample_time;

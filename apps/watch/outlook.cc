@@ -186,13 +186,13 @@ std::string TrendText(const ProcessModel& model, int output,
                  ? absl::StrCat("No trend: ", parameter, " has changed by ",
                                 so_far, " and stands still since.")
                  : absl::StrCat(
-                       "No trend: no gain of its elements changes by "
-                       "more than ",
+                       "No trend: no gain of its elements changes by more "
+                       "than ",
                        Percent(course.largest_gain_rate), " % a month.");
     case CourseState::kWhichElement:
       return absl::StrFormat(
-          "Cannot tell of which element: something changes, most likely "
-          "(%.0f %%) %s, in the last month by %s.",
+          "Cannot tell of which element: something changes, most likely (%.0f "
+          "%%) %s, in the last month by %s.",
           100.0 * course.probability, parameter, last_month);
     case CourseState::kWhetherAtAll:
       return course.is_known()

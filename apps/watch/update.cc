@@ -231,8 +231,7 @@ absl::Status Update::Run() {
   }
   if (late_days_ > 0) {
     Tell(absl::StrCat(late_days_,
-                      " days whose records came or were changed "
-                      "more than ",
+                      " days whose records came or were changed more than ",
                       kLatest, " days late are not looked at again."));
   }
   // Until there is a reference everything is read again.

@@ -46,8 +46,8 @@ py::array StepResponseOf(const ProcessModel& model, double sample_time,
   if (samples < 1 || values > kMostSamples) {
     throw py::value_error(
         absl::StrCat("samples = ", samples,
-                     ": it must be at least 1, and all "
-                     "responses together at most 1e8 values"));
+                     ": it must be at least 1, and all responses together at "
+                     "most 1e8 values"));
   }
   auto* const response =
       new StepResponse(model.ComputeStepResponse(sample_time, samples));
