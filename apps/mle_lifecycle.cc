@@ -1,7 +1,6 @@
 // mle_lifecycle: what keeping a model up to date is worth, over years.
 
 #include <iostream>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -7,9 +7,8 @@
 
 #include "apps/common/command_line.h"
 #include "apps/report/drawing.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "apps/reproduce/report.h"
-#include "apps/reproduce/reproduction.h"
 #include "apps/reproduce/request.h"
 #include "apps/reproduce/summary.h"
 #include "mle/base/file.h"

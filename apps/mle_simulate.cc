@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/simulate/request.h"
-#include "apps/simulate/simulation.h"
 #include "mle/base/status.h"
 #include "mle/data/record_csv.h"
 

@@ -1,11 +1,10 @@
-#include "apps/correct/advice.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 #include "control/loop_analysis.h"
 #include "control/prediction_model.h"
 #include "control/retuning.h"

@@ -1,5 +1,3 @@
-#include "apps/correct/figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -7,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/figure_parts.h"
-#include "apps/correct/mismatch_map.h"
+#include "apps/correct/report.h"
 #include "apps/report/figure.h"
 
 namespace mle::correct {

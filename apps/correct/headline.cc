@@ -1,13 +1,11 @@
-#include "apps/correct/headline.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 #include "mle/model/element_response.h"
 
 namespace mle::correct {

@@ -1,9 +1,8 @@
-#include "apps/correct/loop_comparison.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/correct/advice.h"
+#include "apps/correct/report.h"
 #include "apps/correct/result.h"
 #include "control/mpc.h"
 #include "mle/base/parallel.h"

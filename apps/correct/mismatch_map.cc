@@ -1,5 +1,3 @@
-#include "apps/correct/mismatch_map.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,9 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/advice.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {

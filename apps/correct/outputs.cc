@@ -1,5 +1,3 @@
-#include "apps/correct/outputs.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -8,9 +6,8 @@
 #include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "apps/common/sha256.h"
-#include "apps/correct/figures.h"
-#include "apps/correct/page.h"
-#include "apps/correct/part_of_model.h"
+#include "apps/correct/report.h"
+#include "apps/correct/request.h"
 #include "apps/correct/result_json.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"

@@ -1,5 +1,3 @@
-#include "apps/correct/page.h"
-
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -11,12 +9,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "apps/correct/headline.h"
-#include "apps/correct/mismatch_map.h"
-#include "apps/correct/record_tables.h"
-#include "apps/correct/tables.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
 #include "apps/report/table.h"
 #include "apps/report/text.h"
 

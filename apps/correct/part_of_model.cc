@@ -1,5 +1,3 @@
-#include "apps/correct/part_of_model.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -14,6 +12,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/option_table.h"
 #include "apps/common/option_values.h"
+#include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/data/historian_file.h"
 #include "mle/data/joined_files.h"

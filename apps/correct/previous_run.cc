@@ -1,9 +1,8 @@
-#include "apps/correct/previous_run.h"
-
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/option_table.h"
+#include "apps/correct/request.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "nlohmann/json.hpp"

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "apps/correct/figure_parts.h"
-#include "apps/correct/record_tables.h"
+#include "apps/correct/report.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
 

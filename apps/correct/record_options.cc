@@ -1,5 +1,3 @@
-#include "apps/correct/record_options.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/option_values.h"
+#include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/data/tag_file.h"
 #include "mle/data/time_format.h"

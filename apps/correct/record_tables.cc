@@ -1,5 +1,3 @@
-#include "apps/correct/record_tables.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,7 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {

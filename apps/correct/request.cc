@@ -6,8 +6,6 @@
 #include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "apps/common/shared_options.h"
-#include "apps/correct/part_of_model.h"
-#include "apps/correct/record_options.h"
 #include "mle/base/status.h"
 
 namespace mle::correct {

@@ -8,8 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/figure_parts.h"
-#include "apps/correct/headline.h"
-#include "apps/correct/outputs.h"
+#include "apps/correct/report.h"
 
 namespace mle::correct {
 namespace {

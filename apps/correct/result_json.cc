@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/correct/advice.h"
+#include "apps/correct/report.h"
 #include "mle/data/stretches.h"
 #include "mle/model/json_text.h"
 

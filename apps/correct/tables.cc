@@ -1,15 +1,11 @@
-#include "apps/correct/tables.h"
-
 #include <cmath>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/advice.h"
-#include "apps/correct/outputs.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {

@@ -1,5 +1,3 @@
-#include "apps/correct/verdict.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 #include "mle/base/double_limits.h"
 
 namespace mle::correct {

@@ -246,6 +246,24 @@ TextValue SolverOf(SolverSpec* solver);
 std::vector<Option> Prefixed(const std::string& prefix,
                              std::vector<Option> options);
 
+// The plants of a campaign: models drawn at random, and models that have aged.
+
+// The plant of a seed: the first draw that is within the bounds for every
+// controller. FailedPrecondition if there is none among a thousand.
+absl::StatusOr<ProcessModel> DrawModel(
+    const RandomPlants& plants, std::uint64_t seed,
+    const std::vector<ControllerSpec>& controllers);
+
+// Whether the changes are possible for every draw: the elements are there, and
+// no dead time can fall below zero.
+absl::Status CheckAgeing(const ProcessModel& model, const Mismatch& mismatch);
+
+// The plant under a mismatch; what is drawn belongs to the seed.
+// InvalidArgument where a change is not possible.
+absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
+                                      const Mismatch& mismatch,
+                                      std::uint64_t seed);
+
 }  // namespace mle::experiment
 
 #endif  // APPS_EXPERIMENT_CAMPAIGN_H_

@@ -4,8 +4,8 @@
 #include "absl/strings/str_format.h"
 #include "apps/common/option_json.h"
 #include "apps/common/shared_options.h"
+#include "apps/experiment/campaign.h"
 #include "apps/experiment/campaign_parts.h"
-#include "apps/experiment/plants.h"
 #include "mle/base/status.h"
 #include "sim/effects_json.h"
 

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/experiment/campaign.h"
 #include "mle/base/status.h"
 #include "mle/model/json_node.h"
 

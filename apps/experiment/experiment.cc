@@ -6,8 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/experiment/plants.h"
-#include "apps/experiment/records.h"
+#include "apps/experiment/campaign.h"
 #include "mle/base/status.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/nonlinear/output_error_correction.h"

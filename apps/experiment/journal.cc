@@ -1,5 +1,3 @@
-#include "apps/experiment/journal.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/sha256.h"
+#include "apps/experiment/run_folder.h"
 #include "mle/base/status.h"
 
 namespace mle::experiment {

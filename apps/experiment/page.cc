@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "apps/experiment/report.h"
 #include "apps/report/drawing.h"
-#include "apps/report/number.h"
 #include "apps/report/table.h"
+#include "apps/report/text.h"
 #include "mle/base/file.h"
 
 namespace mle::experiment {

@@ -1,11 +1,10 @@
-#include "apps/experiment/plants.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "Eigen/Core"
 #include "Eigen/SVD"
 #include "absl/strings/str_format.h"
+#include "apps/experiment/campaign.h"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"

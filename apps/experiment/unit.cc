@@ -1,5 +1,3 @@
-#include "apps/experiment/unit.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +6,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/experiment/plants.h"
+#include "apps/experiment/campaign.h"
+#include "apps/experiment/study.h"
 #include "mle/model/element_response.h"
 
 namespace mle::experiment {

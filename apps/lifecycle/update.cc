@@ -1,11 +1,10 @@
-#include "apps/lifecycle/update.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "apps/lifecycle/life.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_fit.h"

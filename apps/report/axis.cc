@@ -1,5 +1,3 @@
-#include "apps/report/axis.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,7 +5,8 @@
 
 #include "absl/time/civil_time.h"
 #include "absl/time/time.h"
-#include "apps/report/number.h"
+#include "apps/report/layout.h"
+#include "apps/report/text.h"
 
 namespace mle::report {
 namespace {

@@ -9,7 +9,6 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "apps/report/number.h"
 #include "apps/report/page_style.h"
 #include "apps/report/svg.h"
 #include "apps/report/text.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "apps/report/axis.h"
 #include "apps/report/text.h"
 #include "mle/base/status.h"
 

@@ -1,5 +1,3 @@
-#include "apps/reproduce/closed_loop_comparison.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,8 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/experiment/records.h"
-#include "apps/report/number.h"
+#include "apps/experiment/experiment.h"
+#include "apps/report/text.h"
+#include "apps/reproduce/summary.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
 #include "mle/base/random.h"

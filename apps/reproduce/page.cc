@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/model_files.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "apps/reproduce/report.h"
 #include "mle/base/version.h"
 #include "mle/data/csv_rows.h"

@@ -1,5 +1,3 @@
-#include "apps/reproduce/reproduction.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -11,7 +9,8 @@
 #include "apps/experiment/experiment.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/run_folder.h"
-#include "apps/experiment/unit.h"
+#include "apps/experiment/study.h"
+#include "apps/reproduce/request.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_fit.h"
 

@@ -1,6 +1,5 @@
 #include "apps/simulate/request.h"
 
-#include <memory>
 #include <utility>
 
 #include "absl/strings/str_join.h"
@@ -13,7 +12,6 @@
 #include "sim/ageing_plant.h"
 #include "sim/continuous_plant.h"
 #include "sim/effects_json.h"
-#include "sim/plant_conditions.h"
 #include "sim/van_de_vusse.h"
 
 namespace mle::simulate {

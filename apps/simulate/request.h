@@ -3,15 +3,42 @@
 #ifndef APPS_SIMULATE_REQUEST_H_
 #define APPS_SIMULATE_REQUEST_H_
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
-#include "apps/simulate/simulation.h"
+#include "control/mpc_options.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "sim/closed_loop.h"
+#include "sim/plant_conditions.h"
+#include "sim/plant_model.h"
+#include "sim/set_point_profile.h"
 
 namespace mle::simulate {
+
+// One run of mle_simulate: a plant under a controller with a model of the
+// plant.
+
+struct Simulation {
+  ProcessModel model;  // of the controller
+  // The plant at the beginning of the run.
+  std::unique_ptr<sim::PlantModel> plant;
+  control::MpcOptions controller;
+  bool feed_forward = true;  // of measured disturbances
+  bool preview = false;      // of set points
+  sim::SetPointProfile set_points;
+  sim::ClosedLoopOptions loop;
+  sim::PlantConditions conditions;
+};
+
+// InvalidArgument for settings that do not fit together, FailedPrecondition for
+// a loop that diverges.
+absl::StatusOr<Record> Run(Simulation& simulation);
 
 struct Request {
   // Options as they are given.

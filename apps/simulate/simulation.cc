@@ -1,8 +1,7 @@
-#include "apps/simulate/simulation.h"
-
 #include <vector>
 
 #include "Eigen/Core"
+#include "apps/simulate/request.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"

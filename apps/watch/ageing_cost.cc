@@ -7,8 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/report/number.h"
-#include "apps/watch/outlook.h"
+#include "apps/report/text.h"
 #include "apps/watch/source.h"
 #include "control/expected_operation.h"
 #include "control/mpc.h"

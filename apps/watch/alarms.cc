@@ -12,7 +12,7 @@
 #include "apps/report/process.h"
 #include "apps/report/text.h"
 #include "apps/serve/post.h"
-#include "apps/watch/days.h"
+#include "apps/watch/source.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
 

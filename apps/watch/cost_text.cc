@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "apps/watch/ageing_cost.h"
-#include "apps/watch/days.h"
+#include "apps/watch/source.h"
 
 namespace mle::watch {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "apps/watch/days.h"
+#include "apps/watch/source.h"
 #include "apps/watch/update.h"
 
 namespace mle::watch {

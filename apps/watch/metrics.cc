@@ -1,11 +1,10 @@
-#include "apps/watch/metrics.h"
-
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "apps/common/option_table.h"
 #include "apps/report/text.h"
+#include "apps/watch/report.h"
 #include "apps/watch/source.h"
 
 namespace mle::watch {

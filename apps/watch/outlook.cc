@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "apps/watch/update.h"
 #include "mle/monitor/model_watch.h"
 

@@ -7,10 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/report/html.h"
-#include "apps/report/number.h"
 #include "apps/report/table.h"
-#include "apps/watch/days.h"
-#include "apps/watch/page.h"
+#include "apps/report/text.h"
+#include "apps/watch/report.h"
+#include "apps/watch/source.h"
 
 namespace mle::watch {
 namespace {

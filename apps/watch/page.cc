@@ -1,5 +1,3 @@
-#include "apps/watch/page.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
@@ -10,12 +8,12 @@
 #include "absl/time/time.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
-#include "apps/report/number.h"
 #include "apps/report/table.h"
-#include "apps/watch/days.h"
+#include "apps/report/text.h"
 #include "apps/watch/outlook.h"
-#include "apps/watch/proposal.h"
+#include "apps/watch/report.h"
 #include "apps/watch/source.h"
+#include "apps/watch/update.h"
 
 namespace mle::watch {
 namespace {

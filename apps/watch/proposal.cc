@@ -1,5 +1,3 @@
-#include "apps/watch/proposal.h"
-
 #include <fcntl.h>
 
 #include <algorithm>
@@ -17,12 +15,12 @@
 #include "absl/time/time.h"
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
-#include "apps/correct/outputs.h"
+#include "apps/correct/report.h"
 #include "apps/correct/request.h"
 #include "apps/correct/result.h"
 #include "apps/report/text.h"
-#include "apps/watch/days.h"
 #include "apps/watch/source.h"
+#include "apps/watch/update.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 

@@ -1,5 +1,3 @@
-#include "apps/watch/routes.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,11 +20,10 @@
 #include "apps/common/sha256.h"
 #include "apps/report/html.h"
 #include "apps/report/text.h"
-#include "apps/watch/page.h"
-#include "apps/watch/report_json.h"
+#include "apps/watch/report.h"
+#include "apps/watch/site.h"
 #include "apps/watch/source.h"
 #include "mle/base/absl_view.h"
-#include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/time_format.h"
 #include "mle/model/json_text.h"

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/record_options.h"
+#include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/database/record_sources.h"
 #include "mle/maintain/modes.h"

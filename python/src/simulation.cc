@@ -1,7 +1,5 @@
 // mle.simulate: mle_simulate's request and run; plants stepped by hand.
 
-#include "apps/simulate/simulation.h"
-
 #include <memory>
 #include <string>
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "apps/lifecycle/update.h"
+#include "apps/lifecycle/life.h"
 #include "control/mpc.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -5,7 +5,7 @@
 
 #include "absl/time/civil_time.h"
 #include "absl/time/time.h"
-#include "apps/report/axis.h"
+#include "apps/report/layout.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
