@@ -36,18 +36,15 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
       reproduction.campaign.settings.correction.lambdas;
   std::vector<std::pair<std::string, std::string>> files =
       reproduce::FormatCurves(results, lambdas);
-  std::vector<report::DrawnFigure> figures;
-  if (request.figures) {
-    figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
-                                  reproduction.threads);
-  }
-  const std::vector<std::string> missing = report::AddPictures(figures, files);
   files.emplace_back("results.json", reproduce::FormatResults(results));
-  files.emplace_back(
-      "report.html",
-      reproduce::FormatPage(results, figures,
-                            HowToRunAgain(reproduction.campaign.seeds)));
-  return WriteFilesTogether(request.folder, files, missing);
+  std::vector<report::NamedFigure> figures;
+  if (request.figures) figures = reproduce::MakeFigures(results, lambdas);
+  return report::WriteReport(
+      request.folder, std::move(figures), reproduction.threads,
+      std::move(files), [&](const std::vector<report::DrawnFigure>& drawn) {
+        return reproduce::FormatPage(
+            results, drawn, HowToRunAgain(reproduction.campaign.seeds));
+      });
 }
 
 void PrintTables(const CaseResult& result) {

@@ -365,9 +365,7 @@ std::string FormatPage(const Result& result, const Figures& figures,
   AddRecords(result, figures, page);
   AddTrust(result, figures, page);
   if (!result.accepted()) AddForTheController(result, page);
-  page.OpenFold("Run it again");
-  page.AddRunAgain(run_again);
-  page.CloseFold();
+  page.AddLastFolds({}, run_again);
   return page.Render();
 }
 

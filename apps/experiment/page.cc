@@ -107,16 +107,12 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
   AddFigures(figures, page);
   page.AddHeading("In detail");
   AddDetails(campaign, summary, page);
-  page.OpenFold("Files");
-  page.AddFiles({{"runs.csv: every run", "runs.csv"},
-                 {"summary.csv: every cell and metric", "summary.csv"},
-                 {"summary.json: the same", "summary.json"},
-                 {"timings.csv: times of the runs", "timings.csv"},
-                 {"campaign.json: the campaign", "campaign.json"}});
-  page.CloseFold();
-  page.OpenFold("Run it again");
-  page.AddRunAgain(run_again);
-  page.CloseFold();
+  page.AddLastFolds({{"runs.csv: every run", "runs.csv"},
+                     {"summary.csv: every cell and metric", "summary.csv"},
+                     {"summary.json: the same", "summary.json"},
+                     {"timings.csv: times of the runs", "timings.csv"},
+                     {"campaign.json: the campaign", "campaign.json"}},
+                    run_again);
   return page.Render();
 }
 
@@ -129,15 +125,15 @@ constexpr std::size_t kRowsPrinted = 40;
 absl::Status WriteOutputs(const std::string& folder, bool figures,
                           const Campaign& campaign, const StudySummary& summary,
                           const report::RunAgain& run_again) {
-  std::vector<report::DrawnFigure> drawn;
-  if (figures) drawn = report::DrawFigures(MakeFigures(campaign, summary), 0);
-  std::vector<std::pair<std::string, std::string>> files;
-  const std::vector<std::string> missing = report::AddPictures(drawn, files);
-  files.emplace_back("summary.csv", SummaryCsv(summary, campaign));
-  files.emplace_back("summary.json", SummaryJson(summary, campaign));
-  files.emplace_back("report.html",
-                     FormatPage(campaign, summary, drawn, run_again));
-  return WriteFilesTogether(folder, files, missing);
+  std::vector<report::NamedFigure> made;
+  if (figures) made = MakeFigures(campaign, summary);
+  return report::WriteReport(folder, std::move(made), 0,
+                             {{"summary.csv", SummaryCsv(summary, campaign)},
+                              {"summary.json", SummaryJson(summary, campaign)}},
+                             [&](const Figures& drawn) {
+                               return FormatPage(campaign, summary, drawn,
+                                                 run_again);
+                             });
 }
 
 void PrintSummary(const Campaign& campaign, const StudySummary& summary) {

@@ -122,14 +122,10 @@ std::string FormatPage(const Campaign& campaign,
   AddPolicies(campaign, page);
   AddRates(summaries, lives, valuation.currency, page);
   AddCourse(summaries, figures, page);
-  page.OpenFold("Files");
-  page.AddFiles({{"result.json: every number of this page", "result.json"},
-                 {"lifecycle.csv: every set-point change of every life",
-                  "lifecycle.csv"}});
-  page.CloseFold();
-  page.OpenFold("Run it again");
-  page.AddRunAgain(run_again);
-  page.CloseFold();
+  page.AddLastFolds({{"result.json: every number of this page", "result.json"},
+                     {"lifecycle.csv: every set-point change of every life",
+                      "lifecycle.csv"}},
+                    run_again);
   return page.Render();
 }
 
@@ -146,19 +142,19 @@ absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked) {
   const Campaign& campaign = request.campaign;
   const auto& [lives, summaries, valuation] = results;
-  std::vector<std::pair<std::string, std::string>> files = {
-      {"result.json",
-       FormatResult(campaign, summaries, valuation, asked.call, asked.options)},
-      {"lifecycle.csv", FormatRows(campaign, lives, valuation)}};
-  std::vector<report::DrawnFigure> figures;
+  std::vector<report::NamedFigure> figures;
   if (request.figures) {
-    figures = report::DrawFigures(
-        MakeFigures(campaign, lives, summaries, valuation), campaign.threads);
+    figures = MakeFigures(campaign, lives, summaries, valuation);
   }
-  const std::vector<std::string> missing = report::AddPictures(figures, files);
-  files.emplace_back("report.html", FormatPage(campaign, summaries, valuation,
-                                               figures, asked.run_again));
-  return WriteFilesTogether(campaign.folder, files, missing);
+  return report::WriteReport(
+      campaign.folder, std::move(figures), campaign.threads,
+      {{"result.json", FormatResult(campaign, summaries, valuation, asked.call,
+                                    asked.options)},
+       {"lifecycle.csv", FormatRows(campaign, lives, valuation)}},
+      [&](const Figures& drawn) {
+        return FormatPage(campaign, results.summaries, results.valuation, drawn,
+                          asked.run_again);
+      });
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "apps/report/process.h"
 #include "apps/report/svg.h"
 #include "apps/report/text.h"
+#include "mle/base/file.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
@@ -132,6 +133,17 @@ std::vector<std::string> AddPictures(
   }
   if (!failure.ok()) std::cerr << "warning: " << failure.message() << "\n";
   return missing;
+}
+
+absl::Status WriteReport(
+    const std::string& folder, std::vector<NamedFigure> figures, int threads,
+    std::vector<std::pair<std::string, std::string>> files,
+    const std::function<std::string(const std::vector<DrawnFigure>&)>& page) {
+  const std::vector<DrawnFigure> drawn =
+      DrawFigures(std::move(figures), threads);
+  const std::vector<std::string> missing = AddPictures(drawn, files);
+  files.emplace_back("report.html", page(drawn));
+  return WriteFilesTogether(folder, files, missing);
 }
 
 bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name) {

@@ -1,17 +1,19 @@
 // The figures of a page, and the files of them beside it.
 //
-//   const std::vector<DrawnFigure> drawn = DrawFigures(MakeFigures(result), 0);
-//   const auto missing = AddPictures(drawn, files);  // records.svg, …
-//   AddFigure(drawn, "records", page);
+//   return WriteReport(folder, MakeFigures(result), 0,
+//                      {{"result.json", FormatResult(result)}},
+//                      [&](const std::vector<DrawnFigure>& drawn) { … });
 
 #ifndef APPS_REPORT_DRAWING_H_
 #define APPS_REPORT_DRAWING_H_
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "apps/report/figure.h"
@@ -62,6 +64,13 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
 std::vector<std::string> AddPictures(
     const std::vector<DrawnFigure>& drawn,
     std::vector<std::pair<std::string, std::string>>& files);
+
+// Draws the figures and writes their files, `files` and report.html, which
+// `page` makes of the figures drawn, into `folder`: all or none.
+absl::Status WriteReport(
+    const std::string& folder, std::vector<NamedFigure> figures, int threads,
+    std::vector<std::pair<std::string, std::string>> files,
+    const std::function<std::string(const std::vector<DrawnFigure>&)>& page);
 
 bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name);
 

@@ -336,6 +336,19 @@ void HtmlPage::AddFiles(
   body_ += "</ul>\n";
 }
 
+void HtmlPage::AddLastFolds(
+    const std::vector<std::pair<std::string, std::string>>& files,
+    const RunAgain& run) {
+  if (!files.empty()) {
+    OpenFold("Files");
+    AddFiles(files);
+    CloseFold();
+  }
+  OpenFold("Run it again");
+  AddRunAgain(run);
+  CloseFold();
+}
+
 void HtmlPage::AddRunAgain(const RunAgain& run) {
   if (open_folds_ == 0) AddHeading("Run it again");
   if (!run.command.empty()) AddCode(run.command);

@@ -108,6 +108,10 @@ class HtmlPage {
   void AddFiles(const std::vector<std::pair<std::string, std::string>>& files);
   // With a heading, unless a fold is open.
   void AddRunAgain(const RunAgain& run);
+  // The folds at the end of a page: its files, if any, and AddRunAgain().
+  void AddLastFolds(
+      const std::vector<std::pair<std::string, std::string>>& files,
+      const RunAgain& run);
 
   std::string Render() const;
 

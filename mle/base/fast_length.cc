@@ -1,5 +1,7 @@
 #include "mle/base/fast_length.h"
 
+#include <initializer_list>
+
 namespace mle {
 
 int FastLength(int count) {
