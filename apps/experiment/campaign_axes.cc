@@ -5,7 +5,7 @@
 #include "apps/common/option_json.h"
 #include "apps/common/shared_options.h"
 #include "apps/experiment/campaign.h"
-#include "apps/experiment/campaign_parts.h"
+#include "apps/experiment/campaign_json.h"
 #include "mle/base/status.h"
 #include "sim/effects_json.h"
 

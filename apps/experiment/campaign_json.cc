@@ -9,7 +9,6 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
 #include "apps/common/option_json.h"
-#include "apps/experiment/campaign_parts.h"
 #include "apps/experiment/grid.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"

@@ -1,11 +1,10 @@
-#include "apps/lifecycle/operation.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
+#include "apps/lifecycle/life.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"

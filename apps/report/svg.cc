@@ -9,7 +9,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/report/layout.h"
-#include "apps/report/svg_parts.h"
 #include "apps/report/text.h"
 #include "mle/base/status.h"
 

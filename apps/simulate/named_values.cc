@@ -1,5 +1,3 @@
-#include "apps/simulate/named_values.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/option_values.h"
+#include "apps/simulate/request.h"
 #include "mle/base/status.h"
 
 namespace mle::simulate {

@@ -5,7 +5,6 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/model_files.h"
 #include "apps/common/shared_options.h"
-#include "apps/simulate/named_values.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "sim/ageing_json.h"

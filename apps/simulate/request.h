@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -68,6 +69,20 @@ absl::Status Complete(Request& request, OptionTable& table);
 
 // The same where simulation.model is there already, and no file is written.
 absl::Status CompleteForModel(Request& request, OptionTable& table);
+
+// NAME:TIME:VALUE,… on a command line: steps of named channels.
+
+struct NamedStep {
+  int channel = 0;  // of `names`
+  double time = 0.0;
+  double value = 0.0;
+};
+
+// Names may hold colons. InvalidArgument, naming flag and entry, for an unknown
+// name, or a time or value that is not a finite number.
+absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
+    std::string_view flag, std::string_view value,
+    const std::vector<std::string>& names);
 
 }  // namespace mle::simulate
 

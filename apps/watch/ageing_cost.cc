@@ -1,5 +1,3 @@
-#include "apps/watch/ageing_cost.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/report/text.h"
+#include "apps/watch/health.h"
 #include "apps/watch/source.h"
 #include "control/expected_operation.h"
 #include "control/mpc.h"

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/report/text.h"
-#include "apps/watch/ageing_cost.h"
+#include "apps/watch/health.h"
 #include "apps/watch/source.h"
 
 namespace mle::watch {

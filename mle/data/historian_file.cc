@@ -9,7 +9,6 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_format.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/data/header_lines.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"

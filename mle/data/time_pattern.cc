@@ -1,10 +1,9 @@
-#include "mle/data/time_pattern.h"
-
 #include <array>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/data/time_format.h"
 
 namespace mle {
 namespace {

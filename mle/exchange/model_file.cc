@@ -7,7 +7,6 @@
 #include "absl/strings/str_format.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/exchange/element_csv.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/exchange/model_table.h"
 #include "mle/exchange/state_space_correction.h"

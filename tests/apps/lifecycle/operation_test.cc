@@ -1,4 +1,3 @@
-#include "apps/lifecycle/operation.h"
 
 #include <cmath>
 

@@ -1,4 +1,3 @@
-#include "apps/watch/ageing_cost.h"
 
 #include <cmath>
 #include <cstdint>
