@@ -41,7 +41,7 @@ int PrintHelp(const std::string& command, const std::string& topic,
   } else if (topic == "all") {
     std::cout << FullHelp(usage, table);
   } else if (topic == "man") {
-    std::cout << ManualPage(command, Version(), usage, table);
+    std::cout << ManualPage(command, LibraryVersion(), usage, table);
   } else if (topic == "bash") {
     std::cout << BashCompletion(command, table);
   } else {
@@ -68,7 +68,7 @@ void ParseCommandLine(const std::string& usage, const OptionTable& table,
     std::exit(PrintHelp(NameOf(argv[0]), parsed.help_topic, usage, table));
   }
   if (parsed.version) {
-    std::cout << NameOf(argv[0]) << " " << Version() << "\n";
+    std::cout << NameOf(argv[0]) << " " << LibraryVersion() << "\n";
     std::exit(kExitDone);
   }
   if (!status.ok()) std::exit(Fail(status));
@@ -87,8 +87,6 @@ void StartCommand(const std::string& usage, OptionTable& table, int argc,
 }
 
 std::string CommandLine() { return StoredCommandLine(); }
-
-std::string_view Version() { return LibraryVersion(); }
 
 void SayError(const std::string& message) {
   std::cerr << "error: "
@@ -154,7 +152,7 @@ report::RunAgain HowToCallAgain(const std::string& call,
                                 NamesAndValues checksums) {
   report::RunAgain again;
   again.command = call;
-  again.version = std::string(Version());
+  again.version = std::string(LibraryVersion());
   again.more = std::move(checksums);
   again.more.insert(again.more.end(), options.begin(), options.end());
   return again;

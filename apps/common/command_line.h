@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -50,8 +49,6 @@ int RunCommand(const char* usage,
 
 // The command line as it was given, for a shell.
 std::string CommandLine();
-
-std::string_view Version();
 
 // "error: message" on standard error, in one line whatever is quoted in it.
 void SayError(const std::string& message);

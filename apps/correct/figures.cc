@@ -127,9 +127,9 @@ NamedFigure CrossCorrelationFigure(const Result& result) {
   const double sample_time = result.data.sample_time();
   NamedFigure named = NewFigure(
       "cross_correlation",
-      "Correlation of the one-step prediction errors with the inputs, with 99 "
-      "% limits. At positive lags it indicates missing dynamics; at negative "
-      "lags the feedback of the controller.",
+      "Correlation of the one-step prediction errors with the inputs, with "
+      "99 % limits. At positive lags it indicates missing dynamics; at "
+      "negative lags the feedback of the controller.",
       model.num_outputs(), model.num_inputs(), 4.5);
   const auto fill = [&](int i, int j, Panel& panel) {
     panel.y.label = "correlation";

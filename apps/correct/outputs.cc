@@ -3,7 +3,6 @@
 #include <limits>
 #include <string_view>
 
-#include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "apps/common/sha256.h"
 #include "apps/correct/report.h"
@@ -12,6 +11,7 @@
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 #include "mle/data/csv_rows.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/model/arx_model_json.h"
@@ -82,7 +82,7 @@ absl::StatusOr<std::string> FormatResult(
     const std::vector<std::pair<std::string, std::string>>& flags) {
   Json json = {{"version", 3},
                {"program", "mle_correct"},
-               {"program_version", std::string(Version())},
+               {"program_version", std::string(LibraryVersion())},
                {"command", command}};
   Json flag_values = Json::object();
   for (const auto& [name, value] : flags) flag_values[name] = value;

@@ -1,8 +1,8 @@
 // The runs of a campaign, whatever they are, in a folder that one command at a
-// time has for itself: a journal (journal.h), from which an interrupted
-// campaign resumes, and threads that do what is left. Parts of a campaign
-// (apps/common/part.h) have folders of their own below it, and may run at once,
-// on any machines that see the folder.
+// time has for itself: a journal, from which an interrupted campaign resumes,
+// and threads that do what is left. Parts of a campaign (apps/common/part.h)
+// have folders of their own below it, and may run at once, on any machines that
+// see the folder.
 //
 //   MLE_ASSIGN_OR_RETURN(RunFolder folder,
 //                        RunFolder::Open(work, "study", Part(), resume));

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/sha256.h"
+#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/report.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"

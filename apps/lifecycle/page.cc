@@ -4,11 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/common/command_line.h"
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/summary.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
+#include "mle/base/version.h"
 #include "mle/data/csv_rows.h"
 #include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
@@ -243,7 +243,7 @@ std::string FormatResult(
     const std::vector<std::pair<std::string, std::string>>& flags) {
   Json json = {{"version", 1},
                {"program", "mle_lifecycle"},
-               {"program_version", std::string(Version())},
+               {"program_version", std::string(LibraryVersion())},
                {"command", command}};
   Json flag_values = Json::object();
   for (const auto& [name, value] : flags) flag_values[name] = value;

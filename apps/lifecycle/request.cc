@@ -7,12 +7,12 @@
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
-#include "apps/common/command_line.h"
 #include "apps/common/model_files.h"
 #include "apps/common/shared_options.h"
 #include "apps/experiment/campaign.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 #include "mle/data/civil_time.h"
 #include "sim/ageing_json.h"
 
@@ -237,7 +237,7 @@ void AddSettings(const GivenModels& given, const OptionTable& table,
   campaign.settings["file of ageing"] = given.ageing;
   campaign.settings["file of model"] = FormatProcessModel(campaign.model);
   campaign.settings["file of plant"] = FormatProcessModel(campaign.plant);
-  campaign.settings["program_version"] = std::string(Version());
+  campaign.settings["program_version"] = std::string(LibraryVersion());
 }
 
 }  // namespace

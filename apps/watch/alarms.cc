@@ -54,7 +54,7 @@ absl::Status HandOn(const AlarmTargets& targets, const PendingAlarm& pending) {
 }
 
 // The value of the channel's flag; empty: the channel is not used.
-std::string ValueOf(const AlarmTargets& targets, Channel channel) {
+std::string TargetOf(const AlarmTargets& targets, Channel channel) {
   switch (channel) {
     case Channel::kCommand:
       return targets.command;
@@ -72,7 +72,7 @@ std::string OptionOfChannel(const AlarmTargets& targets, Channel channel) {
       absl::StrCat("--alarm_", std::string(NameOf(channel)));
   return channel == Channel::kWebhook
              ? flag
-             : absl::StrCat(flag, "=", ValueOf(targets, channel));
+             : absl::StrCat(flag, "=", TargetOf(targets, channel));
 }
 
 // A sentence about the first failure; empty without one.
@@ -136,7 +136,7 @@ absl::StatusOr<std::vector<std::string>> HandOnAlarms(
     const AlarmTargets& targets, State& state) {
   std::vector<std::string> faults;
   for (const Channel channel : kChannels) {
-    if (ValueOf(targets, channel).empty()) continue;
+    if (TargetOf(targets, channel).empty()) continue;
     MLE_ASSIGN_OR_RETURN(std::string fault,
                          HandOnThrough(targets, channel, state));
     if (!fault.empty()) faults.push_back(std::move(fault));

@@ -191,8 +191,8 @@ std::string TrendText(const ProcessModel& model, int output,
                        Percent(course.largest_gain_rate), " % a month.");
     case CourseState::kWhichElement:
       return absl::StrFormat(
-          "Cannot tell of which element: something changes, most likely (%.0f "
-          "%%) %s, in the last month by %s.",
+          "Cannot tell of which element: something changes, most likely "
+          "(%.0f %%) %s, in the last month by %s.",
           100.0 * course.probability, parameter, last_month);
     case CourseState::kWhetherAtAll:
       return course.is_known()

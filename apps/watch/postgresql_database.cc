@@ -207,10 +207,10 @@ absl::StatusOr<std::int64_t> PostgresqlDatabase::Version() {
 }
 
 absl::Status PostgresqlDatabase::SetVersion(int version) {
-  return Execute(
-      absl::StrCat("CREATE TABLE IF NOT EXISTS version(number INTEGER NOT "
-                   "NULL); DELETE FROM version; INSERT INTO version VALUES (",
-                   version, ")"));
+  return Execute(absl::StrCat(
+      "CREATE TABLE IF NOT EXISTS version(number INTEGER NOT NULL); "
+      "DELETE FROM version; INSERT INTO version VALUES (",
+      version, ")"));
 }
 
 // Shared by the parts of a fleet, which each have a lock of their own; a run
@@ -259,8 +259,8 @@ absl::StatusOr<std::unique_ptr<Database>> OpenPostgresqlState(
         database->Execute("CREATE SCHEMA IF NOT EXISTS mle_watch"));
   }
   MLE_RETURN_IF_ERROR(database->Execute(
-      "SET search_path = mle_watch; SET client_encoding = 'UTF8'; SET "
-      "bytea_output = 'hex'; SET extra_float_digits = 1"));
+      "SET search_path = mle_watch; SET client_encoding = 'UTF8'; "
+      "SET bytea_output = 'hex'; SET extra_float_digits = 1"));
   return database;
 }
 

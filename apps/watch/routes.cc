@@ -24,6 +24,7 @@
 #include "apps/watch/site.h"
 #include "apps/watch/source.h"
 #include "mle/base/absl_view.h"
+#include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/time_format.h"
 #include "mle/model/json_text.h"

@@ -82,8 +82,8 @@ absl::Status State::LoadAlarms(Watch& watch) {
   MLE_ASSIGN_OR_RETURN(
       const Rows deliveries,
       database_->Run("SELECT alarm, channel, state, attempts, fault FROM "
-                     "delivery JOIN alarm ON alarm.id = delivery.alarm WHERE "
-                     "watch = ? ORDER BY alarm, channel",
+                     "delivery JOIN alarm ON alarm.id = delivery.alarm "
+                     "WHERE watch = ? ORDER BY alarm, channel",
                      {watch.id}));
   for (const Row& row : deliveries) {
     const std::string id = row.Text(0);
@@ -114,12 +114,13 @@ absl::StatusOr<std::vector<PendingAlarm>> State::Undelivered(Channel channel) {
       const Rows rows,
       database_->Run(
           "SELECT watch.controller, alarm.id, alarm.day, alarm.text, "
-          "delivery.state, delivery.attempts, delivery.fault FROM alarm JOIN "
-          "watch ON watch.id = alarm.watch LEFT JOIN delivery ON "
-          "delivery.alarm = alarm.id AND "
-          "delivery.channel = ? WHERE alarm.who IS NULL AND (delivery.state IS "
-          "NULL OR delivery.state < ?) ORDER BY COALESCE(delivery.attempts, "
-          "0), alarm.day, alarm.id",
+          "delivery.state, delivery.attempts, delivery.fault FROM alarm "
+          "JOIN watch ON watch.id = alarm.watch "
+          "LEFT JOIN delivery ON delivery.alarm = alarm.id AND "
+          "delivery.channel = ? "
+          "WHERE alarm.who IS NULL AND "
+          "(delivery.state IS NULL OR delivery.state < ?) "
+          "ORDER BY COALESCE(delivery.attempts, 0), alarm.day, alarm.id",
           {std::string(NameOf(channel)),
            static_cast<std::int64_t>(Delivery::State::kSent)}));
   std::vector<PendingAlarm> alarms;
@@ -142,8 +143,9 @@ absl::Status State::SetDelivery(const std::string& alarm,
                                 const Delivery& delivery) {
   return Write(
       "INSERT INTO delivery(alarm, channel, state, attempts, fault) VALUES "
-      "(?, ?, ?, ?, ?) ON CONFLICT(alarm, channel) DO UPDATE SET state = "
-      "excluded.state, attempts = excluded.attempts, fault = excluded.fault",
+      "(?, ?, ?, ?, ?) ON CONFLICT(alarm, channel) DO UPDATE SET "
+      "state = excluded.state, attempts = excluded.attempts, "
+      "fault = excluded.fault",
       {alarm, std::string(NameOf(delivery.channel)),
        static_cast<std::int64_t>(delivery.state), delivery.attempts,
        delivery.fault});

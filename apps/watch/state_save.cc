@@ -44,8 +44,8 @@ absl::Status State::SaveWatch(Watch& watch) {
   MLE_ASSIGN_OR_RETURN(
       const Rows rows,
       database_->Run("INSERT INTO watch(controller, basis, begin, first, "
-                     "sample_time, reference, news, failed) VALUES (?, ?, ?, "
-                     "?, ?, ?, ?, ?) RETURNING id",
+                     "sample_time, reference, news, failed) "
+                     "VALUES (?, ?, ?, ?, ?, ?, ?, ?) RETURNING id",
                      values));
   watch.id = rows.at(0).Integer(0);
   return absl::OkStatus();
@@ -56,10 +56,10 @@ absl::Status State::SaveFiles(const Watch& now, const Watch& before) {
     const auto found = before.files.find(path);
     if (found != before.files.end() && found->second == file) continue;
     MLE_RETURN_IF_ERROR(
-        Write("INSERT INTO file VALUES (?, ?, ?, ?, ?, ?, ?) ON "
-              "CONFLICT(watch, path) DO UPDATE SET bytes = excluded.bytes, "
-              "changed = excluded.changed, first = excluded.first, last = "
-              "excluded.last, fault = excluded.fault",
+        Write("INSERT INTO file VALUES (?, ?, ?, ?, ?, ?, ?) "
+              "ON CONFLICT(watch, path) DO UPDATE SET bytes = excluded.bytes, "
+              "changed = excluded.changed, first = excluded.first, "
+              "last = excluded.last, fault = excluded.fault",
               {now.id, path, file.bytes, file.changed, file.first, file.last,
                file.fault}));
   }
@@ -72,8 +72,8 @@ absl::Status State::SaveDays(const Watch& now, const Watch& before) {
     if (found != before.days.end() && found->second == day) continue;
     MLE_RETURN_IF_ERROR(
         Write("INSERT INTO day VALUES (?, ?, ?, ?, ?) ON CONFLICT(watch, "
-              "number) DO UPDATE SET checksum = excluded.checksum, state = "
-              "excluded.state, reason = excluded.reason",
+              "number) DO UPDATE SET checksum = excluded.checksum, "
+              "state = excluded.state, reason = excluded.reason",
               {now.id, number, Bytes{day.checksum},
                static_cast<std::int64_t>(day.state), day.reason}));
   }
@@ -99,8 +99,8 @@ absl::Status State::SaveScores(const Watch& now, const Watch& before) {
       }
       MLE_RETURN_IF_ERROR(Write(
           "INSERT INTO score VALUES (?, ?, ?, ?, ?) ON CONFLICT(watch, output, "
-          "number) DO UPDATE SET length = excluded.length, data = "
-          "excluded.data",
+          "number) DO UPDATE SET length = excluded.length, "
+          "data = excluded.data",
           {now.id, output, number, stored.batch.length, Bytes{data}}));
     }
   }
@@ -118,9 +118,9 @@ absl::Status State::SaveAlarms(const Watch& now) {
   }
   for (const Proposal& made : now.proposals) {
     MLE_RETURN_IF_ERROR(
-        Write("INSERT INTO proposal VALUES (?, ?, ?, ?, ?) ON CONFLICT(watch, "
-              "day) DO UPDATE SET folder = excluded.folder, decision = "
-              "excluded.decision, conclusion = excluded.conclusion",
+        Write("INSERT INTO proposal VALUES (?, ?, ?, ?, ?) "
+              "ON CONFLICT(watch, day) DO UPDATE SET folder = excluded.folder, "
+              "decision = excluded.decision, conclusion = excluded.conclusion",
               {now.id, made.day, made.folder, made.decision, made.conclusion}));
   }
   return absl::OkStatus();

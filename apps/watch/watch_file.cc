@@ -125,8 +125,10 @@ absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
         "",
         {.min = 0.0, .max = kMostOperatingHours, .open_min = true}}});
   MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"price_engineer_hour"}, options));
-  MLE_RETURN_IF_ERROR(
-      node.At("currency").Check(CheckCurrency(valuation.currency)));
+  if (node.Has("currency")) {
+    MLE_RETURN_IF_ERROR(
+        node.At("currency").Check(CheckCurrency(valuation.currency)));
+  }
   control::Prices& prices = valuation.prices;
   // Without this price nothing is a violation, and the reverse.
   if (node.Has("price_violation") != node.Has("allowed_error")) {
