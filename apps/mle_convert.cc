@@ -4,10 +4,9 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
-#include "apps/common/model_files.h"
+#include "apps/common/option_table.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/exchange/model_conversion.h"
@@ -87,7 +86,7 @@ absl::Status Complete(Request& request, const ModelFile& file) {
   }
   const absl::Status status = to.Validate();
   if (status.ok()) return status;
-  return absl::InvalidArgumentError(absl::StrCat("--", status.message()));
+  return InvalidArgument("--", status.message());
 }
 
 void Print(const Request& request, const ModelFile& file,
@@ -110,35 +109,27 @@ void Print(const Request& request, const ModelFile& file,
   std::cout << absl::StrFormat(
       "; its step responses differ by at most %.2g %% of their range:\n",
       100.0 * largest);
-  for (int i = 0; i < file.process.num_outputs(); ++i) {
-    for (int j = 0; j < file.process.num_inputs(); ++j) {
-      const double difference = converted.differences(i, j);
-      if (difference <= kExact) continue;
-      std::cout << absl::StrFormat(
-          "  %s: %.2g %%\n", PairName(file.process, i, j), 100.0 * difference);
-    }
+  for (const auto& [i, j] : Pairs(file.process)) {
+    const double difference = converted.differences(i, j);
+    if (difference <= kExact) continue;
+    std::cout << absl::StrFormat(
+        "  %s: %.2g %%\n", PairName(file.process, i, j), 100.0 * difference);
   }
 }
 
-int Main(Request& request) {
+absl::StatusOr<int> Run(Request& request, OptionTable& /*table*/) {
   if (request.model.empty() || request.out.empty()) {
-    return Fail(absl::InvalidArgumentError(
-        "--model=FILE and --out=FILE must be given (see --help)"));
+    return absl::InvalidArgumentError(
+        "--model=FILE and --out=FILE must be given (see --help)");
   }
-  const absl::StatusOr<ModelFile> file = ReadModelFile(request.model);
-  if (!file.ok()) return Fail(AboutOption("model", file.status()));
-  if (const absl::Status status = Complete(request, *file); !status.ok()) {
-    return Fail(status);
-  }
-  const absl::StatusOr<ConvertedModel> converted =
-      ConvertModel(*file, request.conversion);
-  if (!converted.ok()) return Fail(converted.status());
-  if (const absl::Status written =
-          WriteFileAtomically(request.out, converted->text);
-      !written.ok()) {
-    return Fail(AboutOption("out", written));
-  }
-  Print(request, *file, *converted);
+  MLE_ASSIGN_OR_RETURN(const ModelFile file,
+                       AboutOption("model", ReadModelFile(request.model)));
+  MLE_RETURN_IF_ERROR(Complete(request, file));
+  MLE_ASSIGN_OR_RETURN(const ConvertedModel converted,
+                       ConvertModel(file, request.conversion));
+  MLE_RETURN_IF_ERROR(
+      AboutOption("out", WriteFileAtomically(request.out, converted.text)));
+  Print(request, file, converted);
   return kExitDone;
 }
 
@@ -146,9 +137,5 @@ int Main(Request& request) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::Request request;
-  mle::OptionTable table;
-  mle::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  return mle::Main(request);
+  return mle::RunCommand(mle::kUsage, mle::AddOptions, mle::Run, argc, argv);
 }

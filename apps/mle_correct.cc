@@ -1,10 +1,9 @@
 // mle_correct: a process model corrected from a user's own records.
 
-#if __has_include(<malloc.h>)
-#include <malloc.h>
-#endif
+#include <sys/resource.h>
 
 #include <iostream>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,21 +14,155 @@
 #include "apps/common/command_line.h"
 #include "apps/common/password_prompt.h"
 #include "apps/common/progress.h"
-#include "apps/common/run_again.h"
-#include "apps/correct/console.h"
 #include "apps/correct/data_sources.h"
-#include "apps/correct/outputs.h"
-#include "apps/correct/part_of_model.h"
-#include "apps/correct/proposed_tags.h"
+#include "apps/correct/report.h"
+#include "apps/correct/request.h"
 #include "apps/correct/result.h"
-#include "apps/correct/result_files.h"
+#include "apps/report/table.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
+#include "mle/data/nearest_names.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/tag_file.h"
+#include "mle/model/process_model.h"
 
-namespace mle {
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
+
+namespace mle::correct {
 namespace {
+
+// The channels of these names that no column is proposed for.
+std::vector<std::string> WithoutColumn(
+    const std::vector<std::string>& channels,
+    const std::vector<TagProposal>& proposals) {
+  std::set<std::string> proposed;
+  for (const TagProposal& proposal : proposals) {
+    proposed.insert(proposal.channel);
+  }
+  std::vector<std::string> missing;
+  for (const std::string& channel : channels) {
+    if (!proposed.contains(channel)) missing.push_back(channel);
+  }
+  return missing;
+}
+
+std::string OnSetPoints(const std::vector<std::string>& set_points,
+                        const std::vector<TagProposal>& proposals) {
+  const std::vector<std::string> missing = WithoutColumn(set_points, proposals);
+  if (missing.empty()) return "";
+  std::vector<std::string> likely;
+  for (const TagProposal& proposal : proposals) {
+    if (proposal.channel.empty() && IsSetPointTag(proposal.tag)) {
+      likely.push_back(proposal.tag);
+    }
+  }
+  if (!likely.empty()) {
+    return absl::StrCat("Set points are probably ", ListOfNames(likely),
+                        "; their channels are ", ListOfNames(missing), ".\n");
+  }
+  if (missing.size() < set_points.size()) return "";
+  return absl::StrCat(
+      "No column looks like a set point. If one is, its channel is among ",
+      ListOfNames(missing),
+      "; if none is, --change_times names when set points were changed.\n");
+}
+
+// Lines: what was proposed in the file `path`, the channels that still need a
+// column, what there is of set points, and the flag that reads the file.
+std::string DescribeProposals(const std::vector<TagProposal>& proposals,
+                              const ProcessModel& model,
+                              const std::string& path) {
+  std::vector<std::string> needed;
+  std::vector<std::string> set_points;
+  for (const OutputChannel& output : model.outputs()) {
+    needed.push_back(output.name);
+    set_points.push_back(SetPointName(output.name));
+  }
+  for (const InputChannel& input : model.inputs()) {
+    needed.push_back(input.name);
+  }
+  std::size_t mapped = 0;
+  for (const TagProposal& proposal : proposals) {
+    if (!proposal.channel.empty()) ++mapped;
+  }
+  const std::vector<std::string> missing = WithoutColumn(needed, proposals);
+  return absl::StrCat(
+      path, ": a channel is proposed for ", mapped, " of ", proposals.size(),
+      " columns. Check each line; scale and offset convert units",
+      mapped < proposals.size()
+          ? ", and a column without a channel is ignored.\n"
+          : ".\n",
+      missing.empty()
+          ? ""
+          : absl::StrCat(
+                "Write into the column channel: ", ListOfNames(missing), ".\n"),
+      OnSetPoints(set_points, proposals), "Then use it: --tag_file=", path,
+      "\n");
+}
+
+// Text that mle_correct prints.
+
+// "kind: text", on standard error.
+void PrintMessages(const char* kind, const std::vector<Message>& messages) {
+  for (const Message& message : messages) {
+    std::cerr << kind << ": " << Shown(message) << "\n";
+  }
+}
+
+void PrintDetails(const Result& result) {
+  PrintMessages("warning", result.warnings);
+  std::cout << "\n";
+  for (const std::string& sentence : result.verdict) {
+    std::cout << sentence << "\n";
+  }
+  for (const std::string& sentence : Sentences(result.findings)) {
+    std::cout << "  " << sentence << "\n";
+  }
+  std::cout << "\n"
+            << IntervalNote(result) << "\n\n"
+            << report::RenderText(MismatchTable(result)) << "\n"
+            << report::RenderText(ParameterTable(result)) << "\n"
+            << report::RenderText(ValidationTable(result)) << "\n"
+            << report::RenderText(ResidualTable(result)) << "\nWhat to do\n";
+  for (const std::string& item : result.advice) {
+    std::cout << "  " << item << "\n";
+  }
+  if (result.tuning.heading.empty()) return;
+  std::cout << "\n" << result.tuning.heading << "\n";
+  for (const std::string& reason : result.tuning.reasons) {
+    std::cout << "  " << reason << "\n";
+  }
+}
+
+// The records alone, for --dry_run.
+void PrintData(const RecordData& data, const std::vector<DataFile>& files,
+               const ProcessModel& model) {
+  std::cout << report::RenderText(FileTable(data, files, model)) << "\n"
+            << report::RenderText(ChannelTable(data, model)) << "\n"
+            << report::RenderText(WindowTable(data, model)) << "\n";
+  for (const Message& note : data.notes) std::cout << Shown(note) << "\n";
+}
+
+// On standard error: the most memory that the process has used so far.
+void PrintMemory() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  constexpr long kKibibytes = 1024;  // of a MiB
+  std::cerr << "at most " << (usage.ru_maxrss + kKibibytes - 1) / kKibibytes
+            << " MiB of memory were used\n";
+}
+
+// The verdict in at most six lines; with --verbose also what it rests on, and
+// the warnings.
+void PrintResult(const Result& result) {
+  for (const std::string& line : ShortVerdict(result)) {
+    std::cout << line << "\n";
+  }
+  if (result.request.verbose) PrintDetails(result);
+}
 
 constexpr char kUsage[] =
     R"(Corrects a process model from records of routine closed-loop operation with
@@ -43,26 +176,23 @@ Times are in the model's time unit: min below. Exit codes: 0 done, 1 the result
 is not usable or no decision was possible, 2 bad input or flags.)";
 
 // Writes the file of --propose_tags.
-int Propose(const correct::Request& request,
-            const std::vector<HistorianSource>& sources) {
+absl::StatusOr<int> Propose(const Request& request,
+                            const std::vector<HistorianSource>& sources) {
   const absl::StatusOr<std::vector<TagProposal>> proposals =
       ProposeTags(sources, request.model, request.import);
   if (!proposals.ok()) {
-    return Fail(WithPrefix(correct::NameFlags(proposals.status()), "--data: "));
+    return WithPrefix(NameFlags(proposals.status()), "--data: ");
   }
-  if (const absl::Status status =
-          WriteFileAtomically(request.propose_tags, FormatTagFile(*proposals));
-      !status.ok()) {
-    return Fail(WithPrefix(status, "--propose_tags: "));
-  }
-  std::cout << correct::DescribeProposals(*proposals, request.model,
-                                          request.propose_tags);
+  MLE_RETURN_IF_ERROR(WithPrefix(
+      WriteFileAtomically(request.propose_tags, FormatTagFile(*proposals)),
+      "--propose_tags: "));
+  std::cout << DescribeProposals(*proposals, request.model,
+                                 request.propose_tags);
   return kExitDone;
 }
 
 // With what helps where columns have other names than the channels.
-absl::Status OnReading(const absl::Status& status,
-                       const correct::Request& request) {
+absl::Status OnReading(const absl::Status& status, const Request& request) {
   std::string more;
   if (absl::StrContains(OptionOf(status), "tags") && request.tags.empty() &&
       request.tag_file.empty()) {
@@ -72,7 +202,7 @@ absl::Status OnReading(const absl::Status& status,
   }
   return absl::Status(
       status.code(),
-      absl::StrCat("--data: ", correct::NameFlags(status).message(), more));
+      absl::StrCat("--data: ", NameFlags(status).message(), more));
 }
 
 bool ShowStage(const RunProgress& progress) {
@@ -85,7 +215,7 @@ bool ShowStage(const RunProgress& progress) {
 
 // Where columns are missing, of what is there.
 absl::StatusOr<RecordData> Load(const std::vector<HistorianSource>& sources,
-                                correct::Request& request) {
+                                Request& request) {
   const auto load = [&] {
     return LoadSources(sources, request.model, request.import,
                        request.options.records, ShowStage);
@@ -95,7 +225,7 @@ absl::StatusOr<RecordData> Load(const std::vector<HistorianSource>& sources,
     return absl::StrContains(OptionOf(status), "tags");
   };
   if (data.ok() || !is_about_tags(data.status()) ||
-      !correct::LeaveOutMissing(sources, request)) {
+      !LeaveOutMissing(sources, request)) {
     return data;
   }
   absl::StatusOr<RecordData> part = load();
@@ -113,18 +243,14 @@ void KeepFreedMemory() {
 #endif
 }
 
-int Main(correct::Request& request, OptionTable& table) {
+absl::StatusOr<int> Run(Request& request, OptionTable& table) {
   KeepFreedMemory();
-  if (const absl::Status status = correct::Complete(request, table);
-      !status.ok()) {
-    return Fail(status);
-  }
+  MLE_RETURN_IF_ERROR(Complete(request, table));
   request.database.ask_password = AskPassword;
-  const absl::StatusOr<correct::DataSources> sources =
-      correct::DataSources::Create(request.data_paths, request.database,
-                                   request.import);
+  const absl::StatusOr<DataSources> sources =
+      DataSources::Create(request.data_paths, request.database, request.import);
   if (!sources.ok()) {
-    return Fail(WithPrefix(correct::NameFlags(sources.status()), "--data: "));
+    return WithPrefix(NameFlags(sources.status()), "--data: ");
   }
   if (!request.propose_tags.empty()) {
     return Propose(request, sources->sources());
@@ -133,52 +259,44 @@ int Main(correct::Request& request, OptionTable& table) {
       absl::StrCat("reading ", request.data_paths.size(),
                    request.data_paths.size() == 1 ? " source" : " sources"));
   absl::StatusOr<RecordData> data = Load(sources->sources(), request);
-  if (!data.ok()) {
-    return Fail(OnReading(data.status(), request));
-  }
+  if (!data.ok()) return OnReading(data.status(), request);
   if (request.dry_run) {
     EndStatus();
-    correct::NameFlags(*data);
-    correct::PrintData(*data, sources->Files(), request.model);
-    correct::PrintMessages("warning", request.left_out);
-    correct::PrintMessages("warning", data->warnings);
-    correct::PrintMessages("warning",
-                           correct::DescriptionWarnings(request.model_file));
-    correct::PrintMemory();
+    NameFlags(*data);
+    PrintData(*data, sources->Files(), request.model);
+    PrintMessages("warning", request.left_out);
+    PrintMessages("warning", data->warnings);
+    PrintMessages("warning", DescriptionWarnings(request.model_file));
+    PrintMemory();
     return kExitDone;
   }
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);
-  if (!lock.ok()) return Fail(lock.status());
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(request.out));
   request.options.progress = ShowStage;
-  const absl::StatusOr<correct::Result> result =
-      correct::RunCorrection(request, *std::move(data), sources->Files());
-  if (!result.ok()) return Fail(correct::NameFlags(result.status()));
+  const absl::StatusOr<Result> result =
+      RunCorrection(request, *std::move(data), sources->Files());
+  if (!result.ok()) return NameFlags(result.status());
   absl::StatusOr<std::string> json =
-      correct::FormatResult(*result, CommandLine(), ResultFlags());
+      FormatResult(*result, CommandLine(), ResultFlags());
   absl::Status status = json.status();
   if (status.ok()) {
     ShowStatus("writing the results");
-    status = correct::WriteResult(
-        *result, *json, HowToRunAgain({}, correct::Checksums(*result)));
+    status = WriteResult(*result, *json, HowToRunAgain({}, Checksums(*result)));
   }
-  if (!status.ok()) return Fail(absl::InternalError(status.message()));
+  if (!status.ok()) return absl::InternalError(status.message());
   EndStatus();
-  correct::PrintMessages("error", result->failures);
+  PrintMessages("error", result->failures);
   if (request.json) {
     std::cout << *json;
   } else {
-    correct::PrintResult(*result);
+    PrintResult(*result);
   }
   return result->exit_code();
 }
 
 }  // namespace
-}  // namespace mle
+}  // namespace mle::correct
 
 int main(int argc, char** argv) {
-  mle::correct::Request request;
-  mle::OptionTable table;
-  mle::correct::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  return mle::Main(request, table);
+  return mle::RunCommand(mle::correct::kUsage, mle::correct::AddOptions,
+                         mle::correct::Run, argc, argv);
 }

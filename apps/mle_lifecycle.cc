@@ -1,14 +1,11 @@
 // mle_lifecycle: what keeping a model up to date is worth, over years.
 
 #include <iostream>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/run_again.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
@@ -45,12 +42,7 @@ void PrintFindings(const lifecycle::Campaign& campaign,
               << "\n"
               << report::RenderText(lifecycle::ActivityTable(rate)) << "\n";
   }
-  const report::Verdict verdict =
-      lifecycle::VerdictOf(campaign, summaries, valuation);
-  std::cout << verdict.headline << ".\n";
-  for (const std::string& sentence : verdict.sentences) {
-    std::cout << sentence << "\n";
-  }
+  std::cout << lifecycle::VerdictOf(campaign, summaries, valuation).Text();
 }
 
 absl::StatusOr<int> Run(lifecycle::Request& request, OptionTable& table) {
@@ -84,10 +76,6 @@ absl::StatusOr<int> Run(lifecycle::Request& request, OptionTable& table) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::lifecycle::Request request;
-  mle::OptionTable table;
-  mle::lifecycle::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  const absl::StatusOr<int> code = mle::Run(request, table);
-  return code.ok() ? *code : mle::Fail(code.status());
+  return mle::RunCommand(mle::kUsage, mle::lifecycle::AddOptions, mle::Run,
+                         argc, argv);
 }

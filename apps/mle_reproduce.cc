@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "apps/common/command_line.h"
-#include "apps/common/run_again.h"
 #include "apps/report/drawing.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "apps/reproduce/report.h"
-#include "apps/reproduce/reproduction.h"
 #include "apps/reproduce/request.h"
 #include "apps/reproduce/summary.h"
 #include "mle/base/file.h"
@@ -38,18 +36,15 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
       reproduction.campaign.settings.correction.lambdas;
   std::vector<std::pair<std::string, std::string>> files =
       reproduce::FormatCurves(results, lambdas);
-  std::vector<report::DrawnFigure> figures;
-  if (request.figures) {
-    figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
-                                  reproduction.threads);
-  }
-  const std::vector<std::string> missing = report::AddPictures(figures, files);
   files.emplace_back("results.json", reproduce::FormatResults(results));
-  files.emplace_back(
-      "report.html",
-      reproduce::FormatPage(results, figures,
-                            HowToRunAgain(reproduction.campaign.seeds)));
-  return WriteFilesTogether(request.folder, files, missing);
+  std::vector<report::NamedFigure> figures;
+  if (request.figures) figures = reproduce::MakeFigures(results, lambdas);
+  return report::WriteReport(
+      request.folder, std::move(figures), reproduction.threads,
+      std::move(files), [&](const std::vector<report::DrawnFigure>& drawn) {
+        return reproduce::FormatPage(
+            results, drawn, HowToRunAgain(reproduction.campaign.seeds));
+      });
 }
 
 void PrintTables(const CaseResult& result) {
@@ -70,17 +65,14 @@ void PrintTables(const CaseResult& result) {
             << report::FormatScientific(result.max_relative_gap, 2) << "\n\n";
 }
 
-int Main(reproduce::Request& request, OptionTable& table) {
-  const absl::Status complete = reproduce::Complete(request, table);
-  if (!complete.ok()) return Fail(complete);
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.folder);
-  if (!lock.ok()) return Fail(lock.status());
-  const absl::StatusOr<std::vector<CaseResult>> results =
-      reproduce::RunReproduction(request.reproduction);
-  if (!results.ok()) return Fail(results.status());
-
+absl::StatusOr<int> Run(reproduce::Request& request, OptionTable& table) {
+  MLE_RETURN_IF_ERROR(reproduce::Complete(request, table));
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock,
+                       ClaimOutputFolder(request.folder));
+  MLE_ASSIGN_OR_RETURN(const std::vector<CaseResult> results,
+                       reproduce::RunReproduction(request.reproduction));
   int exit_code = kExitDone;
-  for (const CaseResult& result : *results) {
+  for (const CaseResult& result : results) {
     PrintTables(result);
     if (!(result.max_relative_gap <= reproduce::kAcceptedGap)) {
       std::cerr << "warning: case " << result.name
@@ -90,8 +82,8 @@ int Main(reproduce::Request& request, OptionTable& table) {
       exit_code = kExitNotUsable;
     }
   }
-  if (const absl::Status status = WriteAll(*results, request); !status.ok()) {
-    return Fail(absl::InternalError(status.message()));
+  if (const absl::Status status = WriteAll(results, request); !status.ok()) {
+    return absl::InternalError(status.message());
   }
   std::cout << "Report and results: " << request.folder << "/report.html\n";
   return exit_code;
@@ -101,9 +93,6 @@ int Main(reproduce::Request& request, OptionTable& table) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::reproduce::Request request;
-  mle::OptionTable table;
-  mle::reproduce::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  return mle::Main(request, table);
+  return mle::RunCommand(mle::kUsage, mle::reproduce::AddOptions, mle::Run,
+                         argc, argv);
 }

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/simulate/request.h"
-#include "apps/simulate/simulation.h"
+#include "mle/base/status.h"
 #include "mle/data/record_csv.h"
 
 namespace mle {
@@ -21,35 +21,30 @@ constexpr char kUsage[] =
     "--plant=configs/wood_berry_gain.json \\\n"
     "      --setpoints=overhead:500:1 --out=run.csv\n\n"
     "Times are in the model's time unit; inputs and outputs are deviations "
-    "from "
-    "the operating\npoint. Exit codes: 0 done, 1 ran but the loop is unstable, "
-    "2 bad input or flags.";
+    "from the operating\npoint. Exit codes: 0 done, 1 ran but the loop is "
+    "unstable, 2 bad input or flags.";
 
-int Main(simulate::Request& request, OptionTable& table) {
+absl::StatusOr<int> Run(simulate::Request& request, OptionTable& table) {
   const absl::Status complete = simulate::Complete(request, table);
-  if (!complete.ok()) {
-    return Fail(absl::InvalidArgumentError(complete.message()));
-  }
-  const absl::StatusOr<Record> record = simulate::Run(request.simulation);
-  if (!record.ok()) return Fail(record.status());
-
+  if (!complete.ok()) return absl::InvalidArgumentError(complete.message());
+  MLE_ASSIGN_OR_RETURN(const Record record, simulate::Run(request.simulation));
   const std::string& out = request.out;
   const absl::Status written =
-      WriteRecordCsv(out, *record, request.simulation.model);
+      WriteRecordCsv(out, record, request.simulation.model);
   if (!written.ok()) {
     const std::string message = absl::StrCat("--out: ", written.message());
     // A full disk is no fault of the flag.
     const bool full =
         absl::IsResourceExhausted(written) || absl::IsOutOfRange(written);
-    return Fail(full ? absl::ResourceExhaustedError(message)
-                     : absl::InvalidArgumentError(message));
+    return full ? absl::ResourceExhaustedError(message)
+                : absl::InvalidArgumentError(message);
   }
-  const auto lost = record->outputs.array().isNaN().count() +
-                    record->inputs.array().isNaN().count();
-  std::cout << out << ": " << record->samples() << " samples of "
-            << record->num_outputs() << " outputs and " << record->num_inputs()
+  const auto lost = record.outputs.array().isNaN().count() +
+                    record.inputs.array().isNaN().count();
+  std::cout << out << ": " << record.samples() << " samples of "
+            << record.num_outputs() << " outputs and " << record.num_inputs()
             << " inputs, " << lost << " values lost, "
-            << FindSetPointChanges(*record).size() << " set-point changes\n";
+            << FindSetPointChanges(record).size() << " set-point changes\n";
   return kExitDone;
 }
 
@@ -57,9 +52,6 @@ int Main(simulate::Request& request, OptionTable& table) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::simulate::Request request;
-  mle::OptionTable table;
-  mle::simulate::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  return mle::Main(request, table);
+  return mle::RunCommand(mle::kUsage, mle::simulate::AddOptions, mle::Run, argc,
+                         argv);
 }

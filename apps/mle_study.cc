@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <iostream>
 #include <string>
-#include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
 #include "apps/common/part.h"
-#include "apps/common/run_again.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/report.h"
 #include "apps/experiment/study.h"
@@ -128,18 +125,15 @@ absl::StatusOr<int> Conclude(const Request& request,
 }
 
 absl::StatusOr<experiment::Study> ReadCampaign(const Request& request) {
-  const absl::StatusOr<std::string> text = ReadFile(request.campaign);
-  if (!text.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--campaign: ", text.status().message()));
-  }
+  MLE_ASSIGN_OR_RETURN(const std::string text,
+                       AboutOption("campaign", ReadFile(request.campaign)));
   const std::size_t slash = request.campaign.rfind('/');
   const std::string folder =
       slash == std::string::npos ? "" : request.campaign.substr(0, slash + 1);
-  return experiment::ReadStudy(*text, request.campaign, folder);
+  return experiment::ReadStudy(text, request.campaign, folder);
 }
 
-absl::StatusOr<int> Run(const Request& request) {
+absl::StatusOr<int> Run(Request& request, OptionTable& /*table*/) {
   MLE_RETURN_IF_ERROR(request.Validate());
   MLE_ASSIGN_OR_RETURN(const experiment::Study work, ReadCampaign(request));
   if (request.dry_run) {
@@ -161,10 +155,5 @@ absl::StatusOr<int> Run(const Request& request) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::Request request;
-  mle::OptionTable table;
-  mle::AddOptions(request, table);
-  mle::StartCommand(mle::kUsage, table, argc, argv);
-  const absl::StatusOr<int> code = mle::Run(request);
-  return code.ok() ? *code : mle::Fail(code.status());
+  return mle::RunCommand(mle::kUsage, mle::AddOptions, mle::Run, argc, argv);
 }

@@ -8,10 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <memory>
-#include <string>
-#include <tuple>
 
 #include "benchmark/benchmark.h"
 #include "benchmarks/problems.h"

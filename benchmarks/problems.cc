@@ -1,7 +1,6 @@
 #include "benchmarks/problems.h"
 
 #include <random>
-#include <string>
 #include <utility>
 
 #include "control/mpc.h"

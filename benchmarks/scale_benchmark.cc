@@ -8,9 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "benchmarks/problems.h"
 #include "mle/regression/homotopy.h"

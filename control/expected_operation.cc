@@ -5,7 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/model/process_simulator.h"
 
@@ -165,11 +164,11 @@ absl::StatusOr<ExpectedOperation> ExpectOperation(
   const int m = plant.num_inputs();
   if (mpc.model().num_outputs != p || mpc.model().num_inputs() != m ||
       conditions.size() != static_cast<std::size_t>(p)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "expected operation: the plant has ", p, " outputs and ", m,
         " inputs, the controller ", mpc.model().num_outputs, " and ",
         mpc.model().num_inputs(), ", and there are conditions for ",
-        conditions.size(), " outputs; they must agree"));
+        conditions.size(), " outputs; they must agree");
   }
   SimulatedLoop loop(mpc, plant);
   MLE_ASSIGN_OR_RETURN(const std::vector<LoopResponse> responses,

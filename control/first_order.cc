@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle::control {
 namespace {
@@ -60,11 +60,11 @@ absl::StatusOr<std::vector<FirstOrder>> DescribeAsFirstOrder(
   const int m = response.num_inputs;
   if (p < 1 || m < 1 || response.samples() < 2 ||
       !response.values.allFinite()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "a step response of ", p, " outputs, ", m, " inputs and ",
         response.samples(),
         " samples cannot be described: at least 1, 1 and 2 finite ones are "
-        "needed"));
+        "needed");
   }
   Eigen::MatrixXd size(p, m);
   for (int i = 0; i < p; ++i) {

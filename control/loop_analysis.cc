@@ -5,12 +5,10 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "Eigen/Eigenvalues"
 #include "Eigen/LU"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "control/matrix_series.h"
 #include "mle/base/fast_length.h"
@@ -408,21 +406,21 @@ absl::Status CheckLoop(const Mpc& mpc, const PredictionModel& plant) {
   if (plant.num_outputs != model.num_outputs || plant.roles != model.roles ||
       !(std::abs(plant.control_period - model.control_period) <=
         1e-9 * model.control_period)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "the plant has ", plant.num_outputs, " outputs, ", plant.num_inputs(),
         " inputs and control_period = ", plant.control_period,
         ", the controller ", model.num_outputs, ", ", model.num_inputs(),
         " and ", model.control_period,
-        "; these and the inputs' roles must be the same"));
+        "; these and the inputs' roles must be the same");
   }
   const int periods = std::max(plant.periods(), model.periods());
   if (periods > kMostAnalysedPeriods) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "responses settle only after ", periods,
         " control periods, and loops of up to ", kMostAnalysedPeriods,
         " are analysed; a pair that hardly settles (a small damping, a time "
         "constant far beyond the others) or a short control period makes them "
-        "long"));
+        "long");
   }
   return absl::OkStatus();
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include "mle/base/fast_length.h"
 #include "unsupported/Eigen/FFT"

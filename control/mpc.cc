@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
 
@@ -51,9 +50,9 @@ absl::StatusOr<Mpc> Mpc::CreateAtRest(PredictionModel model,
                                       const MpcOptions& options) {
   if (!(std::abs(model.control_period - options.control_period) <=
         1e-9 * options.control_period)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("control_period = ", options.control_period,
-                     ", but the prediction model has ", model.control_period));
+    return InvalidArgument("control_period = ", options.control_period,
+                           ", but the prediction model has ",
+                           model.control_period);
   }
   if (model.InputsOf(InputRole::kManipulated).empty()) {
     return absl::InvalidArgumentError(
@@ -188,16 +187,16 @@ void Mpc::HoldLastSetPoints() {
 absl::Status Mpc::ExchangeModel(const PredictionModel& model,
                                 const MpcOptions& options) {
   if (model.num_outputs != model_.num_outputs || model.roles != model_.roles) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "the new model has ", model.num_outputs, " outputs and ",
         model.num_inputs(), " inputs, the running one ", model_.num_outputs,
-        " and ", model_.num_inputs(), "; numbers and roles must be the same"));
+        " and ", model_.num_inputs(), "; numbers and roles must be the same");
   }
   if (options.control_period != options_.control_period) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "the new options have control_period = ", options.control_period,
         ", but the loop runs with ", options_.control_period,
-        ": a running loop keeps its period"));
+        ": a running loop keeps its period");
   }
   MLE_ASSIGN_OR_RETURN(Mpc next, Create(model, options));
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "Eigen/Eigenvalues"
-#include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
@@ -17,29 +16,26 @@ using Eigen::VectorXd;
 absl::Status ValidateWeight(const MatrixXd& weight, int size, const char* name,
                             const char* channels) {
   if (weight.rows() != size || weight.cols() != size) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        name, " is ", weight.rows(), " × ", weight.cols(), ", but it must be ",
-        size, " × ", size, ", one row for each of the ", channels));
+    return InvalidArgument(name, " is ", weight.rows(), " × ", weight.cols(),
+                           ", but it must be ", size, " × ", size,
+                           ", one row for each of the ", channels);
   }
   if (!weight.allFinite()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(name, " has values that are not finite"));
+    return InvalidArgument(name, " has values that are not finite");
   }
   const double tolerance = 1e-12 * weight.cwiseAbs().maxCoeff();
   const double asymmetry = (weight - weight.transpose()).cwiseAbs().maxCoeff();
   if (!(asymmetry <= tolerance)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(name, " differs from its transpose by up to ", asymmetry,
-                     ", but it must be symmetric"));
+    return InvalidArgument(name, " differs from its transpose by up to ",
+                           asymmetry, ", but it must be symmetric");
   }
   const double smallest =
       Eigen::SelfAdjointEigenSolver<MatrixXd>(weight, Eigen::EigenvaluesOnly)
           .eigenvalues()
           .minCoeff();
   if (!(smallest >= -tolerance * size)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(name, " has the eigenvalue ", smallest,
-                     ", but it must be positive semi-definite"));
+    return InvalidArgument(name, " has the eigenvalue ", smallest,
+                           ", but it must be positive semi-definite");
   }
   return absl::OkStatus();
 }
@@ -49,16 +45,14 @@ absl::Status ValidateVector(const VectorXd& values, int size, double least,
                             const char* name) {
   if (values.size() == 0) return absl::OkStatus();
   if (values.size() != size) {
-    return absl::InvalidArgumentError(absl::StrCat(name, " has ", values.size(),
-                                                   " values, but it must have ",
-                                                   size, " or none"));
+    return InvalidArgument(name, " has ", values.size(),
+                           " values, but it must have ", size, " or none");
   }
   for (int i = 0; i < size; ++i) {
     if (!(values[i] >= least)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(name, "[", i, "] = ", values[i],
-                       std::isinf(least) ? ", but it must be a number"
-                                         : ", but it must be ≥ 0"));
+      return InvalidArgument(name, "[", i, "] = ", values[i],
+                             std::isinf(least) ? ", but it must be a number"
+                                               : ", but it must be ≥ 0");
     }
   }
   return absl::OkStatus();
@@ -74,9 +68,9 @@ absl::Status ValidateRange(const VectorXd& least, const VectorXd& greatest,
     const double low = least.size() > 0 ? least[i] : -kInfinity;
     const double high = greatest.size() > 0 ? greatest[i] : kInfinity;
     if (!(low <= high) || low == kInfinity || high == -kInfinity) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(least_name, "[", i, "] = ", low, " and ", greatest_name,
-                       "[", i, "] = ", high, " leave no value between them"));
+      return InvalidArgument(least_name, "[", i, "] = ", low, " and ",
+                             greatest_name, "[", i, "] = ", high,
+                             " leave no value between them");
     }
   }
   return absl::OkStatus();
@@ -94,11 +88,11 @@ absl::Status ValidateSize(const MpcOptions& options, int num_outputs,
   const double rows =
       static_cast<double>(options.prediction_horizon) * num_outputs;
   if (std::max(rows, moves) * moves <= kMostValues) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      "prediction_horizon = ", options.prediction_horizon, " with ", M,
-      " moves is too long: ", num_outputs, " outputs and ", num_inputs,
-      " inputs make ", std::max(rows, moves), " by ", moves,
-      " values; at most ", kMostValues, " are supported"));
+  return InvalidArgument("prediction_horizon = ", options.prediction_horizon,
+                         " with ", M, " moves is too long: ", num_outputs,
+                         " outputs and ", num_inputs, " inputs make ",
+                         std::max(rows, moves), " by ", moves,
+                         " values; at most ", kMostValues, " are supported");
 }
 
 }  // namespace
@@ -119,9 +113,9 @@ absl::Status MpcLimits::Validate(int num_outputs, int num_inputs) const {
     const double cost =
         output_limit_cost.size() > 0 ? output_limit_cost[i] : 0.0;
     if (!(cost > 0.0) || !std::isfinite(cost)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("output ", i, " has a limit, but output_limit_cost[", i,
-                       "] is ", cost, "; it must be finite and > 0"));
+      return InvalidArgument("output ", i,
+                             " has a limit, but output_limit_cost[", i, "] is ",
+                             cost, "; it must be finite and > 0");
     }
   }
   return absl::OkStatus();
@@ -129,37 +123,35 @@ absl::Status MpcLimits::Validate(int num_outputs, int num_inputs) const {
 
 absl::Status MpcOptions::Validate(int num_outputs, int num_inputs) const {
   if (!(control_period > 0.0) || !std::isfinite(control_period)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("control_period = ", control_period,
-                     ", but it must be finite and > 0"));
+    return InvalidArgument("control_period = ", control_period,
+                           ", but it must be finite and > 0");
   }
   if (block_lengths.empty() && control_horizon < 1) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "control_horizon = ", control_horizon, ", but it must be ≥ 1"));
+    return InvalidArgument("control_horizon = ", control_horizon,
+                           ", but it must be ≥ 1");
   }
   if (block_lengths.empty() && prediction_horizon < control_horizon) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "prediction_horizon = ", prediction_horizon,
-        ", but it must be at least control_horizon = ", control_horizon));
+        ", but it must be at least control_horizon = ", control_horizon);
   }
   MLE_RETURN_IF_ERROR(ValidateSize(*this, num_outputs, num_inputs));
   double together = 0.0;
   for (const int length : block_lengths) {
     if (length < 1) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "block_lengths has the value ", length, ", but each must be ≥ 1"));
+      return InvalidArgument("block_lengths has the value ", length,
+                             ", but each must be ≥ 1");
     }
     together += length;
   }
   if (together > prediction_horizon) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "block_lengths are ", together,
-        " together, but prediction_horizon = ", prediction_horizon));
+        " together, but prediction_horizon = ", prediction_horizon);
   }
   if (!(disturbance_variance_ratio >= 0.0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "disturbance_variance_ratio = ", disturbance_variance_ratio,
-        ", but it must be ≥ 0"));
+    return InvalidArgument("disturbance_variance_ratio = ",
+                           disturbance_variance_ratio, ", but it must be ≥ 0");
   }
   MLE_RETURN_IF_ERROR(ValidateVector(disturbance_variance_ratios, num_outputs,
                                      0.0, "disturbance_variance_ratios"));

@@ -38,12 +38,10 @@ double SettlingTime(const TransferFunction& element, double remainder) {
 // Control periods after which the whole model has settled.
 double SettlingPeriods(const ProcessModel& model, double control_period) {
   double longest = 0.0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& element = model.element(i, j);
-      if (element.IsZero()) continue;
-      longest = std::max(longest, SettlingTime(element, kSettlingRemainder));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& element = model.element(i, j);
+    if (element.IsZero()) continue;
+    longest = std::max(longest, SettlingTime(element, kSettlingRemainder));
   }
   return std::ceil(longest / control_period) + 1.0;
 }
@@ -52,8 +50,8 @@ absl::Status CheckControlPeriod(double control_period) {
   if (control_period > 0.0 && std::isfinite(control_period)) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "control_period = ", control_period, ", but it must be finite and > 0"));
+  return InvalidArgument("control_period = ", control_period,
+                         ", but it must be finite and > 0");
 }
 
 // How often `sample_time` goes into `control_period`.
@@ -64,9 +62,9 @@ absl::StatusOr<int> SamplesPerPeriod(double control_period,
   const double whole = std::round(ratio);
   if (!(whole >= 1.0) || !(whole <= 1e9) ||
       std::abs(ratio - whole) > 1e-9 * whole) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "control_period = ", control_period,
-        " is not a whole multiple of the model's sample time ", sample_time));
+        " is not a whole multiple of the model's sample time ", sample_time);
   }
   return static_cast<int>(whole);
 }
@@ -138,9 +136,8 @@ absl::StatusOr<std::vector<InputRole>> RolesFor(
     return std::vector<InputRole>(num_inputs, InputRole::kManipulated);
   }
   if (static_cast<int>(roles.size()) != num_inputs) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(roles.size(), " roles are given for ", num_inputs,
-                     " inputs; give one each, or none"));
+    return InvalidArgument(roles.size(), " roles are given for ", num_inputs,
+                           " inputs; give one each, or none");
   }
   return roles;
 }
@@ -181,16 +178,15 @@ PredictionModel Stack(const StepResponse& response,
 absl::Status PredictionModel::Validate() const {
   MLE_RETURN_IF_ERROR(CheckControlPeriod(control_period));
   if (num_outputs < 1 || roles.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "a prediction model needs an output and an input, but has ",
-        num_outputs, " and ", roles.size()));
+        num_outputs, " and ", roles.size());
   }
   if (responses.cols() != num_inputs() || responses.rows() < 2 * num_outputs ||
       responses.rows() % num_outputs != 0) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the responses are ", responses.rows(), " × ",
-                     responses.cols(), ", but they must be ", num_outputs,
-                     "(n + 1) × ", num_inputs(), " with n ≥ 1"));
+    return InvalidArgument("the responses are ", responses.rows(), " × ",
+                           responses.cols(), ", but they must be ", num_outputs,
+                           "(n + 1) × ", num_inputs(), " with n ≥ 1");
   }
   if (!responses.allFinite()) {
     return absl::InvalidArgumentError(
@@ -199,10 +195,9 @@ absl::Status PredictionModel::Validate() const {
   if (slopes.size() > 0 &&
       (slopes.rows() != num_outputs || slopes.cols() != num_inputs() ||
        !slopes.allFinite())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the slopes are ", slopes.rows(), " × ", slopes.cols(),
-                     ", but they must be finite and ", num_outputs, " × ",
-                     num_inputs(), ", or empty"));
+    return InvalidArgument("the slopes are ", slopes.rows(), " × ",
+                           slopes.cols(), ", but they must be finite and ",
+                           num_outputs, " × ", num_inputs(), ", or empty");
   }
   if (!responses.topRows(num_outputs).isZero(0.0)) {
     return absl::InvalidArgumentError(
@@ -252,17 +247,15 @@ absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
   const double periods = SettlingPeriods(model, control_period);
   if (!((periods + 1.0) * model.num_outputs() * model.num_inputs() <=
         kMaxValues)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "the model '", model.name(), "' settles in ", periods,
         " control periods of ", control_period, ": too many for its ",
         model.num_outputs(), " × ", model.num_inputs(),
-        " step responses to be kept; use a longer control_period"));
+        " step responses to be kept; use a longer control_period");
   }
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
   PredictionModel prediction = Stack(
       model.ComputeStepResponse(control_period, static_cast<int>(periods) + 1),
-      roles, control_period, 1);
+      InputRoles(model), control_period, 1);
   if (mle::IsIntegrating(model)) {
     prediction.slopes = (IntegrationOrders(model).array() > 0)
                             .select(control_period * StaticGains(model), 0.0);
@@ -279,10 +272,10 @@ absl::StatusOr<PredictionModel> PredictFromStepResponse(
       response.samples() < 2 || response.values.cols() != pairs ||
       (response.integration.size() > 0 &&
        response.integration.size() != pairs)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "a step response of ", response.num_outputs, " outputs, ",
         response.num_inputs, " inputs and ", response.samples(),
-        " samples cannot be used: at least 1, 1 and 2 are needed"));
+        " samples cannot be used: at least 1, 1 and 2 are needed");
   }
   MLE_ASSIGN_OR_RETURN(const std::vector<InputRole> all_roles,
                        RolesFor(roles, response.num_inputs));

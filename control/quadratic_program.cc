@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "Eigen/Cholesky"
-#include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/status.h"
 
 namespace mle::control {
 namespace {
@@ -27,9 +27,9 @@ absl::StatusOr<QuadraticProgram> QuadraticProgram::Create(
   const Eigen::Index n = H.rows();
   const Eigen::Index r = A.rows();
   if (n < 1 || H.cols() != n || A.cols() != n || slack_cost.size() != r) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "quadratic programme: H is ", n, " × ", H.cols(), ", A ", r, " × ",
-        A.cols(), ", and there are ", slack_cost.size(), " slack costs"));
+    return InvalidArgument("quadratic programme: H is ", n, " × ", H.cols(),
+                           ", A ", r, " × ", A.cols(), ", and there are ",
+                           slack_cost.size(), " slack costs");
   }
   if (!((slack_cost.array() > 0.0).all())) {
     return absl::InvalidArgumentError(

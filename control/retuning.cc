@@ -282,19 +282,16 @@ void JudgeOldTuning(RetuningAdvice& advice, double largest_peak) {
 
 absl::Status RetuningOptions::Validate() const {
   if (!(condition_number > 1.0) || !std::isfinite(condition_number)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("condition_number = ", condition_number,
-                     ", but it must be finite and > 1"));
+    return InvalidArgument("condition_number = ", condition_number,
+                           ", but it must be finite and > 1");
   }
   if (longest_control_horizon < 1) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("longest_control_horizon = ", longest_control_horizon,
-                     ", but it must be ≥ 1"));
+    return InvalidArgument("longest_control_horizon = ",
+                           longest_control_horizon, ", but it must be ≥ 1");
   }
   if (!(largest_sensitivity_peak > 1.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("largest_sensitivity_peak = ", largest_sensitivity_peak,
-                     ", but it must be > 1"));
+    return InvalidArgument("largest_sensitivity_peak = ",
+                           largest_sensitivity_peak, ", but it must be > 1");
   }
   return absl::OkStatus();
 }
@@ -307,9 +304,8 @@ absl::StatusOr<MpcOptions> TuneByRules(const std::vector<FirstOrder>& elements,
                                        std::vector<std::string>& reasons) {
   MLE_RETURN_IF_ERROR(options.Validate());
   if (roles.empty() || elements.size() % roles.size() != 0) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(elements.size(), " elements are not p × m for ",
-                     roles.size(), " inputs"));
+    return InvalidArgument(elements.size(), " elements are not p × m for ",
+                           roles.size(), " inputs");
   }
   MLE_RETURN_IF_ERROR(
       old_tuning.Validate(static_cast<int>(elements.size() / roles.size()),
@@ -334,10 +330,10 @@ absl::StatusOr<RetuningAdvice> AdviseRetuning(const PredictionModel& old_model,
   MLE_RETURN_IF_ERROR(old_model.Validate());
   if (corrected.num_outputs != old_model.num_outputs ||
       corrected.num_inputs != old_model.num_inputs()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the corrected model has ", corrected.num_outputs, " outputs and ",
-        corrected.num_inputs, " inputs, the old one ", old_model.num_outputs,
-        " and ", old_model.num_inputs()));
+    return InvalidArgument("the corrected model has ", corrected.num_outputs,
+                           " outputs and ", corrected.num_inputs,
+                           " inputs, the old one ", old_model.num_outputs,
+                           " and ", old_model.num_inputs());
   }
   const auto predict = [&](double control_period) {
     return PredictFromStepResponse(corrected, old_model.roles, control_period);

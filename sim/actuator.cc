@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 
@@ -11,15 +10,15 @@ namespace mle::sim {
 
 absl::Status ActuatorOptions::Validate(const ProcessModel& channels) const {
   if (input < 0 || input >= channels.num_inputs()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "actuator: input = ", input, ", but it must be one of 0 … ",
-        channels.num_inputs() - 1));
+    return InvalidArgument("actuator: input = ", input,
+                           ", but it must be one of 0 … ",
+                           channels.num_inputs() - 1);
   }
   const InputChannel& channel = channels.inputs()[input];
   if (channel.role == InputRole::kDisturbance) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("actuator of '", channel.name,
-                     "': the input is a disturbance, which has no actuator"));
+    return InvalidArgument(
+        "actuator of '", channel.name,
+        "': the input is a disturbance, which has no actuator");
   }
   MLE_RETURN_IF_ERROR(CheckNotNegative("stiction", stiction));
   MLE_RETURN_IF_ERROR(CheckNotNegative("jump", slip_jump));
@@ -27,23 +26,22 @@ absl::Status ActuatorOptions::Validate(const ProcessModel& channels) const {
   MLE_RETURN_IF_ERROR(CheckProbability("position", position));
   MLE_RETURN_IF_ERROR(CheckNotNegative("kink", kink));
   if (!std::isfinite(kink_slope)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("kink_slope = ", kink_slope, ", but it must be finite"));
+    return InvalidArgument("kink_slope = ", kink_slope,
+                           ", but it must be finite");
   }
   if (!(min <= 0.0 && max >= 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("min = ", min, " and max = ", max,
-                     ", but 0, the operating point, must lie between them"));
+    return InvalidArgument(
+        "min = ", min, " and max = ", max,
+        ", but 0, the operating point, must lie between them");
   }
   if (!(rate > 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("rate = ", rate, ", but it must be > 0"));
+    return InvalidArgument("rate = ", rate, ", but it must be > 0");
   }
   if (rangeability >= 1.0 && std::isfinite(rangeability)) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "rangeability = ", rangeability, ", but it must be finite and ≥ 1"));
+  return InvalidArgument("rangeability = ", rangeability,
+                         ", but it must be finite and ≥ 1");
 }
 
 double Actuator::EqualPercentage(double stem) const {

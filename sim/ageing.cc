@@ -3,9 +3,7 @@
 #include <cmath>
 #include <set>
 #include <utility>
-#include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
 namespace mle::sim {
@@ -17,30 +15,28 @@ absl::Status CheckElement(const TransferFunction& element,
     return absl::InvalidArgumentError("is zero in the model; it cannot age");
   }
   if (!(ageing.time_constant.Min() > 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("time_constant falls to ", ageing.time_constant.Min(),
-                     "; the factor must stay positive"));
+    return InvalidArgument("time_constant falls to ",
+                           ageing.time_constant.Min(),
+                           "; the factor must stay positive");
   }
   if (!(ageing.falling > 0.0) || !std::isfinite(ageing.falling)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("falling = ", ageing.falling,
-                     "; the factor must be finite and positive"));
+    return InvalidArgument("falling = ", ageing.falling,
+                           "; the factor must be finite and positive");
   }
   if (element.IsIntegrating() && ageing.falling != 1.0) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("falling = ", ageing.falling,
-                     ", but the element integrates: it must be 1"));
+    return InvalidArgument("falling = ", ageing.falling,
+                           ", but the element integrates: it must be 1");
   }
   if (!(element.delay() + ageing.delay.Min() >= 0.0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "delay falls by ", -ageing.delay.Min(), ", but the dead time is only ",
-        element.delay(), "; it must not become negative"));
+    return InvalidArgument("delay falls by ", -ageing.delay.Min(),
+                           ", but the dead time is only ", element.delay(),
+                           "; it must not become negative");
   }
   if (!(ageing.delay.MaxSlope() < 1.0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "delay grows by ", ageing.delay.MaxSlope(),
         " per unit of time; a dead time must grow slower than time (< 1). For "
-        "a sudden change give two points at one time"));
+        "a sudden change give two points at one time");
   }
   // An element between the extremes has coefficients between theirs.
   for (const double gain : {ageing.gain.Min(), ageing.gain.Max()}) {
@@ -53,9 +49,9 @@ absl::Status CheckElement(const TransferFunction& element,
       const absl::Status status =
           AgedElement(element, extreme, /*time=*/0.0).Validate();
       if (!status.ok()) {
-        return absl::InvalidArgumentError(absl::StrCat(
-            "with gain ", gain, ", time_constant ", time_constant,
-            " and delay ", ageing.delay.Max(), ": ", status.message()));
+        return InvalidArgument("with gain ", gain, ", time_constant ",
+                               time_constant, " and delay ", ageing.delay.Max(),
+                               ": ", status.message());
       }
     }
   }
@@ -77,19 +73,19 @@ absl::Status AgeingSchedule::Validate(const ProcessModel& model) const {
   for (const ElementAgeing& ageing : elements) {
     if (ageing.output < 0 || ageing.output >= model.num_outputs() ||
         ageing.input < 0 || ageing.input >= model.num_inputs()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("ageing of element (", ageing.output, ", ", ageing.input,
-                       "): the model has ", model.num_outputs(),
-                       " outputs and ", model.num_inputs(), " inputs"));
+      return InvalidArgument("ageing of element (", ageing.output, ", ",
+                             ageing.input, "): the model has ",
+                             model.num_outputs(), " outputs and ",
+                             model.num_inputs(), " inputs");
     }
     const absl::Status status =
         seen.insert({ageing.output, ageing.input}).second
             ? CheckElement(model.element(ageing.output, ageing.input), ageing)
             : absl::InvalidArgumentError("is duplicated, must be given once");
     if (!status.ok()) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "ageing of element (", model.outputs()[ageing.output].name, ", ",
-          model.inputs()[ageing.input].name, "): ", status.message()));
+          model.inputs()[ageing.input].name, "): ", status.message());
     }
   }
   return absl::OkStatus();
@@ -129,16 +125,16 @@ ProcessModel AgedModel(const ProcessModel& model, const AgeingSchedule& ageing,
 absl::StatusOr<AgeingSchedule> ScaleAgeing(const AgeingSchedule& ageing,
                                            double rate) {
   if (!std::isfinite(rate) || rate < 0.0) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "ageing rate = ", rate, ", but it must be finite and not negative"));
+    return InvalidArgument("ageing rate = ", rate,
+                           ", but it must be finite and not negative");
   }
   AgeingSchedule scaled = ageing;
   for (ElementAgeing& element : scaled.elements) {
     if (!(element.gain.Min() > 0.0)) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "ageing of element (", element.output, ", ", element.input,
-          "): the gain's factor falls to ", element.gain.Min(),
-          "; it must be positive to be scaled"));
+      return InvalidArgument("ageing of element (", element.output, ", ",
+                             element.input, "): the gain's factor falls to ",
+                             element.gain.Min(),
+                             "; it must be positive to be scaled");
     }
     const auto power = [rate](double factor) { return std::pow(factor, rate); };
     MLE_ASSIGN_OR_RETURN(element.gain, Mapped(element.gain, power));

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/model/json_node.h"
@@ -22,8 +21,7 @@ absl::StatusOr<int> FindChannel(const JsonNode& node, const std::string& kind,
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (channels[i].name == name) return static_cast<int>(i);
   }
-  return node.Fault(
-      absl::StrCat("the model has no ", kind, " ", QuotedJson(name)));
+  return node.Fault("the model has no ", kind, " ", QuotedJson(name));
 }
 
 absl::StatusOr<Schedule> ParseSchedule(const JsonNode& node,
@@ -42,11 +40,7 @@ absl::StatusOr<Schedule> ParseSchedule(const JsonNode& node,
     points.push_back(
         {time_factor * point[0].get<double>(), point[1].get<double>()});
   }
-  absl::StatusOr<Schedule> schedule = Schedule::Create(std::move(points));
-  if (!schedule.ok()) {
-    return node.Fault(std::string(schedule.status().message()));
-  }
-  return schedule;
+  return node.Check(Schedule::Create(std::move(points)));
 }
 
 absl::StatusOr<ElementAgeing> ParseElement(const JsonNode& node,
@@ -84,9 +78,7 @@ absl::StatusOr<AgeingSchedule> ParseAgeing(const JsonNode& top,
                          ParseElement(node, model, time_factor));
     ageing.elements.push_back(std::move(element));
   }
-  if (const absl::Status status = ageing.Validate(model); !status.ok()) {
-    return top.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(top.Check(ageing.Validate(model)));
   return ageing;
 }
 
@@ -102,8 +94,8 @@ absl::StatusOr<ReactorAgeing> ParseReactor(const JsonNode& top) {
     if (!top.Has(key)) continue;
     MLE_ASSIGN_OR_RETURN(*schedule, ParseSchedule(top.At(key), time_factor));
     if (!(schedule->Min() > 0.0)) {
-      return top.At(key).Fault(absl::StrCat("falls to ", schedule->Min(),
-                                            "; the factor must stay positive"));
+      return top.At(key).Fault("falls to ", schedule->Min(),
+                               "; the factor must stay positive");
     }
   }
   return ageing;

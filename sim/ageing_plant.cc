@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "absl/status/status.h"
 #include "mle/base/status.h"
 #include "sim/linear_system.h"
 

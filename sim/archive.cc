@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -119,25 +118,24 @@ absl::Status ValidateTags(const std::vector<TagOptions>& tags,
 
 absl::Status TagOptions::Validate(int num_channels) const {
   if (channel < 0 || channel >= num_channels) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("archive: channel = ", channel,
-                     ", but it must be one of 0 … ", num_channels - 1));
+    return InvalidArgument("archive: channel = ", channel,
+                           ", but it must be one of 0 … ", num_channels - 1);
   }
   MLE_RETURN_IF_ERROR(CheckNotNegative("exception", exception));
   MLE_RETURN_IF_ERROR(CheckNotNegative("compression", compression));
   if (!(max_interval > 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("max_interval = ", max_interval, ", but it must be > 0"));
+    return InvalidArgument("max_interval = ", max_interval,
+                           ", but it must be > 0");
   }
   if (!std::isfinite(clock_offset)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "clock_offset = ", clock_offset, ", but it must be finite"));
+    return InvalidArgument("clock_offset = ", clock_offset,
+                           ", but it must be finite");
   }
   for (const Spike& spike : spikes) {
     if (std::isfinite(spike.time) && std::isfinite(spike.size)) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("spike: time = ", spike.time, ", size = ", spike.size,
-                     ", but both must be finite"));
+    return InvalidArgument("spike: time = ", spike.time,
+                           ", size = ", spike.size,
+                           ", but both must be finite");
   }
   return absl::OkStatus();
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "Eigen/Eigenvalues"
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 
@@ -53,21 +52,19 @@ MatrixXd StationaryCovariance(MatrixXd transition, const VectorXd& entry) {
 
 absl::Status ArmaOptions::Validate() const {
   if (poles.size() > kMostRoots || zeros.size() > kMostRoots) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("there are ", poles.size(), " poles and ", zeros.size(),
-                     " zeros, but at most ", kMostRoots, " of each may be"));
+    return InvalidArgument("there are ", poles.size(), " poles and ",
+                           zeros.size(), " zeros, but at most ", kMostRoots,
+                           " of each may be");
   }
   for (const std::complex<double>& pole : poles) {
     if (std::abs(pole) <= kLargestPole) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("the pole ", pole.real(), " + ", pole.imag(),
-                     "i is not inside a circle of radius ", kLargestPole));
+    return InvalidArgument("the pole ", pole.real(), " + ", pole.imag(),
+                           "i is not inside a circle of radius ", kLargestPole);
   }
   for (const std::complex<double>& zero : zeros) {
     if (std::abs(zero) <= kLargestZero) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("the zero ", zero.real(), " + ", zero.imag(),
-                     "i is not inside a circle of radius ", kLargestZero));
+    return InvalidArgument("the zero ", zero.real(), " + ", zero.imag(),
+                           "i is not inside a circle of radius ", kLargestZero);
   }
   return CheckNotNegative("variance", variance);
 }

@@ -2,14 +2,13 @@
 
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle::sim {
 namespace {
 
 absl::Status Wrong(const char* field, double value, const char* constraint) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(field, " = ", value, ", but it must be ", constraint));
+  return InvalidArgument(field, " = ", value, ", but it must be ", constraint);
 }
 
 }  // namespace
@@ -32,9 +31,8 @@ absl::Status CheckProbability(const char* field, double value) {
 absl::Status CheckNoneOrNotNegative(const char* field,
                                     const Eigen::VectorXd& values, int size) {
   if (values.size() != 0 && values.size() != size) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(field, " has ", values.size(), " values, but it needs ",
-                     size, " or none"));
+    return InvalidArgument(field, " has ", values.size(),
+                           " values, but it needs ", size, " or none");
   }
   for (const double value : values) {
     if (!(value >= 0.0) || !std::isfinite(value)) {

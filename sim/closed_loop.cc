@@ -5,7 +5,6 @@
 #include <limits>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"
@@ -28,10 +27,10 @@ absl::Status CheckSizes(const PlantModel& plant, const ProcessModel& channels) {
       plant.num_outputs() == channels.num_outputs()) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "the plant has ", plant.num_inputs(), " inputs and ", plant.num_outputs(),
-      " outputs, its process model ", channels.num_inputs(), " and ",
-      channels.num_outputs(), "; they must be the same"));
+  return InvalidArgument("the plant has ", plant.num_inputs(), " inputs and ",
+                         plant.num_outputs(), " outputs, its process model ",
+                         channels.num_inputs(), " and ", channels.num_outputs(),
+                         "; they must be the same");
 }
 
 // All that is drawn or known before the run.
@@ -52,11 +51,9 @@ VectorXd ExpectedSizes(const Surroundings& all, const ProcessModel& channels) {
       largest(all.set_points).cwiseMax(largest(all.output_disturbances));
   const VectorXd inputs =
       largest(all.input_disturbances).cwiseMax(largest(all.loads));
-  for (int i = 0; i < channels.num_outputs(); ++i) {
-    for (int j = 0; j < channels.num_inputs(); ++j) {
-      sizes[i] = std::max(
-          sizes[i], std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
-    }
+  for (const auto& [i, j] : Pairs(channels)) {
+    sizes[i] = std::max(
+        sizes[i], std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
   }
   return sizes;
 }
@@ -222,9 +219,9 @@ absl::Status ClosedLoopOptions::Validate() const {
   const double ratio = control_period / sample_time;
   if (!(ratio >= 1.0 - 1e-9) || ratio > 1e9 ||
       std::abs(ratio - std::round(ratio)) > 1e-9 * ratio) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "control_period = ", control_period,
-        ", but it must be a whole multiple of sample_time = ", sample_time));
+        ", but it must be a whole multiple of sample_time = ", sample_time);
   }
   return ValidateNoiseVariance(noise_variance);
 }

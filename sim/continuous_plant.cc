@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
 namespace mle::sim {
@@ -19,25 +18,25 @@ constexpr double kMaxStepsPerSample = 1e9;
 
 absl::Status CheckSize(const char* field, Eigen::Index size, int wanted) {
   if (size == 0 || size == wanted) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      field, " has ", size, " values, but it needs ", wanted, " or none"));
+  return InvalidArgument(field, " has ", size, " values, but it needs ", wanted,
+                         " or none");
 }
 
 }  // namespace
 
 absl::Status ContinuousSystem::Validate() const {
   if (num_inputs < 1 || num_outputs < 1) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "num_inputs = ", num_inputs, ", num_outputs = ", num_outputs,
-        ", but both must be at least 1"));
+    return InvalidArgument("num_inputs = ", num_inputs,
+                           ", num_outputs = ", num_outputs,
+                           ", but both must be at least 1");
   }
   if (!derivative || !output) {
     return absl::InvalidArgumentError(
         "derivative and output must both be given");
   }
   if (!(largest_step > 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("largest_step = ", largest_step, ", but it must be > 0"));
+    return InvalidArgument("largest_step = ", largest_step,
+                           ", but it must be > 0");
   }
   if (!initial_state.allFinite()) {
     return absl::InvalidArgumentError("initial_state is not finite");
@@ -51,16 +50,16 @@ absl::StatusOr<ContinuousPlant> ContinuousPlant::Create(
     ContinuousSystem system, const ContinuousPlantOptions& options) {
   if (!(options.sample_time > 0.0) || !std::isfinite(options.sample_time) ||
       !std::isfinite(options.start_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "sample_time = ", options.sample_time, ", start_time = ",
-        options.start_time, ", but both must be finite and the first > 0"));
+    return InvalidArgument("sample_time = ", options.sample_time,
+                           ", start_time = ", options.start_time,
+                           ", but both must be finite and the first > 0");
   }
   MLE_RETURN_IF_ERROR(system.Validate());
   if (!(options.sample_time / system.largest_step <= kMaxStepsPerSample)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("largest_step = ", system.largest_step,
-                     " is too fine for sample_time ", "= ", options.sample_time,
-                     ": at most ", kMaxStepsPerSample, " steps a sample"));
+    return InvalidArgument("largest_step = ", system.largest_step,
+                           " is too fine for sample_time ", "= ",
+                           options.sample_time, ": at most ",
+                           kMaxStepsPerSample, " steps a sample");
   }
   if (system.paths.empty()) {
     for (int j = 0; j < system.num_inputs; ++j) {

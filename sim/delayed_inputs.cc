@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "glog/logging.h"
+#include "mle/base/status.h"
 
 namespace mle::sim {
 namespace {
@@ -15,25 +15,23 @@ constexpr double kMaxDelaySamples = 1e7;
 absl::Status CheckPath(const InputPath& path, int num_inputs,
                        double sample_time) {
   if (path.input < 0 || path.input >= num_inputs) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("input = ", path.input, ", but it must be one of 0 … ",
-                     num_inputs - 1));
+    return InvalidArgument("input = ", path.input,
+                           ", but it must be one of 0 … ", num_inputs - 1);
   }
   if (!(path.delay.Min() >= 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the dead time falls to ", path.delay.Min(),
-                     "; it must not be negative"));
+    return InvalidArgument("the dead time falls to ", path.delay.Min(),
+                           "; it must not be negative");
   }
   if (!(path.delay.Max() / sample_time <= kMaxDelaySamples)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the delay of ", path.delay.Max(), " is ",
-        path.delay.Max() / sample_time, " samples, but at most ",
-        kMaxDelaySamples, " are supported; use a longer sample time"));
+    return InvalidArgument("the delay of ", path.delay.Max(), " is ",
+                           path.delay.Max() / sample_time,
+                           " samples, but at most ", kMaxDelaySamples,
+                           " are supported; use a longer sample time");
   }
   if (!(path.delay.MaxSlope() < 1.0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "the dead time grows by ", path.delay.MaxSlope(),
-        " per unit of time; it must grow slower than time itself (< 1)"));
+        " per unit of time; it must grow slower than time itself (< 1)");
   }
   return absl::OkStatus();
 }
@@ -46,8 +44,7 @@ absl::StatusOr<DelayedInputs> DelayedInputs::Create(
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const absl::Status status = CheckPath(paths[i], num_inputs, sample_time);
     if (!status.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("path ", i + 1, ": ", status.message()));
+      return InvalidArgument("path ", i + 1, ": ", status.message());
     }
     longest = std::max(longest, paths[i].delay.Max() / sample_time);
   }

@@ -3,7 +3,6 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/model/json_node.h"
@@ -24,7 +23,7 @@ absl::StatusOr<std::vector<std::vector<double>>> ReadRows(
   for (const JsonNode& node : nodes) {
     MLE_ASSIGN_OR_RETURN(std::vector<double> row, node.Numbers());
     if (row.size() != columns) {
-      return node.Fault(absl::StrCat("must be ", form));
+      return node.Fault("must be ", form);
     }
     rows.push_back(std::move(row));
   }
@@ -94,9 +93,7 @@ absl::Status ReadArma(const JsonNode& node, int output, Effects& effects) {
       ReadNumber(node, "variance", kNotNegative, arma.noise.variance));
   MLE_ASSIGN_OR_RETURN(arma.noise.poles, ReadRoots(node, "poles"));
   MLE_ASSIGN_OR_RETURN(arma.noise.zeros, ReadRoots(node, "zeros"));
-  if (const absl::Status status = arma.noise.Validate(); !status.ok()) {
-    return node.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(node.Check(arma.noise.Validate()));
   effects.arma.push_back(std::move(arma));
   return absl::OkStatus();
 }
@@ -129,9 +126,9 @@ absl::Status ReadCurve(const JsonNode& node, OutputCurve& curve) {
     if (name == known) curve = kind;
   }
   if (curve != OutputCurve::kNone) return absl::OkStatus();
-  return node.At("curve").Fault(absl::StrCat(
+  return node.At("curve").Fault(
       "must be \"quadratic\", \"logarithm\" or \"tanh\", but it is ",
-      QuotedJson(name)));
+      QuotedJson(name));
 }
 
 absl::Status ReadSensor(const JsonNode& node, int output, Effects& effects) {
@@ -150,8 +147,8 @@ absl::Status ReadSensor(const JsonNode& node, int output, Effects& effects) {
   MLE_RETURN_IF_ERROR(
       ReadNumber(node, "dead_from", kAnyNumber, sensor.dead_from));
   if (!(sensor.min <= sensor.max)) {
-    return node.Fault(absl::StrCat("min = ", sensor.min,
-                                   " must be at most max = ", sensor.max));
+    return node.Fault("min = ", sensor.min,
+                      " must be at most max = ", sensor.max);
   }
   effects.sensors.push_back(sensor);
   return absl::OkStatus();
@@ -237,9 +234,7 @@ absl::Status ReadActuator(const JsonNode& node, int input,
         std::pair("rate", &actuator.rate)}) {
     MLE_RETURN_IF_ERROR(ReadNumber(node, key, kAnyNumber, *field));
   }
-  if (const absl::Status status = actuator.Validate(model); !status.ok()) {
-    return node.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(node.Check(actuator.Validate(model)));
   effects.actuators.push_back(actuator);
   return absl::OkStatus();
 }
@@ -257,9 +252,7 @@ absl::Status ReadInput(const JsonNode& node, int input,
   for (const std::vector<double>& row : manual) {
     ManualPeriod period{
         .input = input, .from = row[0], .to = row[1], .change = row[2]};
-    if (const absl::Status status = period.Validate(model); !status.ok()) {
-      return node.At("manual").Fault(std::string(status.message()));
-    }
+    MLE_RETURN_IF_ERROR(node.At("manual").Check(period.Validate(model)));
     effects.manual.push_back(period);
   }
   if (node.Has("actuator")) {
@@ -288,11 +281,11 @@ absl::Status ReadChannels(const JsonNode& top, const std::string& key,
     const int count = static_cast<int>(channels.size());
     while (channel < count && channels[channel].name != name) ++channel;
     if (channel == count) {
-      return node.Fault(absl::StrCat("the model has no channel ",
-                                     QuotedJson(name), " among its ", key));
+      return node.Fault("the model has no channel ", QuotedJson(name),
+                        " among its ", key);
     }
     if (!seen.insert(channel).second) {
-      return node.Fault(absl::StrCat(QuotedJson(name), " is duplicated"));
+      return node.Fault(QuotedJson(name), " is duplicated");
     }
     MLE_RETURN_IF_ERROR(read(node, channel));
   }
@@ -324,9 +317,9 @@ absl::Status Effects::AddTo(SetPointProfile& profile, double duration,
   Append(ramps, profile.moves);
   for (const OptimiserOptions& optimiser : optimisers) {
     if (!(duration / optimiser.interval <= kMostMoves)) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "optimiser: interval = ", optimiser.interval, ", but a run of ",
-          duration, " may have at most ", kMostMoves, " moves"));
+      return InvalidArgument("optimiser: interval = ", optimiser.interval,
+                             ", but a run of ", duration, " may have at most ",
+                             kMostMoves, " moves");
     }
     Append(DrawOptimiserMoves(optimiser.output, optimiser.interval,
                               optimiser.deviation, duration, seed, stream),

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -15,20 +14,20 @@ absl::Status InputDisturbanceOptions::Validate(
     const ProcessModel& channels) const {
   for (const InputStep& step : steps) {
     if (step.input < 0 || step.input >= channels.num_inputs()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "step of a disturbance: input = ", step.input,
-          ", but it must be one of 0 … ", channels.num_inputs() - 1));
+      return InvalidArgument("step of a disturbance: input = ", step.input,
+                             ", but it must be one of 0 … ",
+                             channels.num_inputs() - 1);
     }
     const InputChannel& channel = channels.inputs()[step.input];
     if (channel.role != InputRole::kDisturbance) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "step of a disturbance: input '", channel.name,
-          "' is moved by the controller; its role must be disturbance"));
+          "' is moved by the controller; its role must be disturbance");
     }
     if (!std::isfinite(step.time) || !std::isfinite(step.value)) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "step of disturbance '", channel.name, "': time = ", step.time,
-          ", value = ", step.value, ", but both must be finite"));
+      return InvalidArgument("step of disturbance '", channel.name,
+                             "': time = ", step.time, ", value = ", step.value,
+                             ", but both must be finite");
     }
   }
   MLE_RETURN_IF_ERROR(

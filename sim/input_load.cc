@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -12,14 +11,12 @@ namespace mle::sim {
 
 absl::Status InputLoad::Validate(int num_inputs) const {
   if (input < 0 || input >= num_inputs) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("load: input = ", input, ", but it must be one of 0 … ",
-                     num_inputs - 1));
+    return InvalidArgument("load: input = ", input,
+                           ", but it must be one of 0 … ", num_inputs - 1);
   }
   for (const SignalStep& step : steps) MLE_RETURN_IF_ERROR(step.Validate());
   if (!std::isfinite(answered)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("answered = ", answered, ", but it must be finite"));
+    return InvalidArgument("answered = ", answered, ", but it must be finite");
   }
   MLE_RETURN_IF_ERROR(CheckNotNegative("variance", variance));
   return CheckPositive("time_constant", time_constant);

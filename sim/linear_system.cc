@@ -31,22 +31,20 @@ std::vector<Block> MakeBlocks(const ProcessModel& model,
                               const AgeingSchedule& ageing) {
   std::vector<Block> blocks;
   Index states = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (model.element(i, j).IsZero()) continue;
-      Block block;
-      block.output = i;
-      block.input = j;
-      block.column = static_cast<int>(blocks.size());
-      block.first_state = states;
-      block.element = model.element(i, j);
-      block.system = block.element.Realize();
-      for (const ElementAgeing& one : ageing.elements) {
-        if (one.output == i && one.input == j) block.ageing = one;
-      }
-      states += block.system.A.rows();
-      blocks.push_back(std::move(block));
+  for (const auto& [i, j] : Pairs(model)) {
+    if (model.element(i, j).IsZero()) continue;
+    Block block;
+    block.output = i;
+    block.input = j;
+    block.column = static_cast<int>(blocks.size());
+    block.first_state = states;
+    block.element = model.element(i, j);
+    block.system = block.element.Realize();
+    for (const ElementAgeing& one : ageing.elements) {
+      if (one.output == i && one.input == j) block.ageing = one;
     }
+    states += block.system.A.rows();
+    blocks.push_back(std::move(block));
   }
   return blocks;
 }
@@ -128,10 +126,10 @@ absl::Status CheckShapes(const LinearCoefficients& c, Index paths) {
   const auto shape = [](const MatrixXd& matrix) {
     return absl::StrCat(matrix.rows(), " × ", matrix.cols());
   };
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "the linear system has A ", shape(c.A), ", B ", shape(c.B), ", C ",
       shape(c.C), ", D ", shape(c.D), " and ", paths,
-      " paths; A must be n × n, B n × q, C p × n, D p × q for q paths"));
+      " paths; A must be n × n, B n × q, C p × n, D p × q for q paths");
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -63,9 +62,8 @@ void AddSines(std::mt19937_64 phases, const std::vector<SineDisturbance>& sines,
 
 absl::Status CheckOutput(int output, int num_outputs) {
   if (output >= 0 && output < num_outputs) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("disturbance: output = ", output,
-                   ", but it must be one of 0 … ", num_outputs - 1));
+  return InvalidArgument("disturbance: output = ", output,
+                         ", but it must be one of 0 … ", num_outputs - 1);
 }
 
 absl::Status CheckSingleOnes(const OutputDisturbanceOptions& options,

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
 namespace mle::sim {
@@ -11,13 +10,11 @@ namespace {
 absl::Status CheckLimits(const char* field, const Eigen::VectorXd& limits,
                          int num_inputs) {
   if (limits.size() != 0 && limits.size() != num_inputs) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("valves: ", field, " has ", limits.size(),
-                     " values, but it needs ", num_inputs, " or none"));
+    return InvalidArgument("valves: ", field, " has ", limits.size(),
+                           " values, but it needs ", num_inputs, " or none");
   }
   if (limits.hasNaN()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("valves: ", field, " is nan for an input"));
+    return InvalidArgument("valves: ", field, " is nan for an input");
   }
   return absl::OkStatus();
 }
@@ -30,8 +27,8 @@ absl::Status ValveLimits::Validate(int num_inputs) const {
   if (min.size() == 0 || max.size() == 0) return absl::OkStatus();
   for (int j = 0; j < num_inputs; ++j) {
     if (min[j] <= max[j]) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        "valves: input ", j, " has min = ", min[j], " above max = ", max[j]));
+    return InvalidArgument("valves: input ", j, " has min = ", min[j],
+                           " above max = ", max[j]);
   }
   return absl::OkStatus();
 }
@@ -46,15 +43,15 @@ double ValveLimits::Limit(int input, double value) const {
 absl::Status ManualPeriod::Validate(const ProcessModel& channels) const {
   if (input < 0 || input >= channels.num_inputs() ||
       channels.inputs()[input].role == InputRole::kDisturbance) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "input = ", input, " in manual, but it must be one that is moved"));
+    return InvalidArgument("input = ", input,
+                           " in manual, but it must be one that is moved");
   }
   if (from < to && std::isfinite(from) && std::isfinite(change)) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("manual from ", from, " to ", to, " with change = ", change,
-                   ", but it must end after it begins, with a finite change"));
+  return InvalidArgument(
+      "manual from ", from, " to ", to, " with change = ", change,
+      ", but it must end after it begins, with a finite change");
 }
 
 absl::Status PlantConditions::Validate(const ProcessModel& channels) const {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle::sim {
 namespace {
@@ -28,27 +28,26 @@ absl::StatusOr<Schedule> Schedule::Create(std::vector<Point> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point& point = points[i];
     if (!std::isfinite(point.time) || !std::isfinite(point.value)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("point ", i + 1, " is (", point.time, ", ", point.value,
-                       "); time and value must be finite"));
+      return InvalidArgument("point ", i + 1, " is (", point.time, ", ",
+                             point.value, "); time and value must be finite");
     }
     if (i >= 1 && point.time < points[i - 1].time) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "point ", i + 1, " is at time ", point.time, ", the one before at ",
-          points[i - 1].time, "; points must be in order of time"));
+      return InvalidArgument("point ", i + 1, " is at time ", point.time,
+                             ", the one before at ", points[i - 1].time,
+                             "; points must be in order of time");
     }
     if (i >= 2 && point.time == points[i - 2].time) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "three points are at time ", point.time,
-          "; a step has two, the value before it and the one after"));
+          "; a step has two, the value before it and the one after");
     }
     if (i >= 1 && point.time > points[i - 1].time &&
         !(std::isfinite(point.time - points[i - 1].time) &&
           std::isfinite(SlopeBetween(points[i - 1], point)))) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "between points ", i, " and ", i + 1, ", (", points[i - 1].time, ", ",
           points[i - 1].value, ") and (", point.time, ", ", point.value,
-          "), time or slope is not finite; a step is two points at one time"));
+          "), time or slope is not finite; a step is two points at one time");
     }
   }
   Schedule schedule(0.0);

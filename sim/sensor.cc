@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 
@@ -32,19 +31,18 @@ double Bend(const SensorOptions& sensor, double value) {
 
 absl::Status SensorOptions::Validate(int num_outputs) const {
   if (output < 0 || output >= num_outputs) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("sensor: output = ", output,
-                     ", but it must be one of 0 … ", num_outputs - 1));
+    return InvalidArgument("sensor: output = ", output,
+                           ", but it must be one of 0 … ", num_outputs - 1);
   }
   if (!std::isfinite(curvature)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("curvature = ", curvature, ", but it must be finite"));
+    return InvalidArgument("curvature = ", curvature,
+                           ", but it must be finite");
   }
   MLE_RETURN_IF_ERROR(CheckNotNegative("lag", lag));
   MLE_RETURN_IF_ERROR(CheckNotNegative("noise_variance", noise_variance));
   if (!(min <= max)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "sensor: min = ", min, ", but it must be at most max = ", max));
+    return InvalidArgument("sensor: min = ", min,
+                           ", but it must be at most max = ", max);
   }
   if (std::isnan(dead_from)) {
     return absl::InvalidArgumentError("sensor: dead_from is nan");

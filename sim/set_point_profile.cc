@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 
@@ -13,21 +12,20 @@ absl::Status SetPointProfile::Validate(int num_outputs) const {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const SetPointStep& step = steps[i];
     if (step.output < 0 || step.output >= num_outputs) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("set-point step ", i + 1, ": output = ", step.output,
-                       ", but it must be one of 0 … ", num_outputs - 1));
+      return InvalidArgument("set-point step ", i + 1,
+                             ": output = ", step.output,
+                             ", but it must be one of 0 … ", num_outputs - 1);
     }
     if (!std::isfinite(step.time) || !std::isfinite(step.value)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("set-point step ", i + 1, ": time = ", step.time,
-                       ", value = ", step.value, ", but both must be finite"));
+      return InvalidArgument("set-point step ", i + 1, ": time = ", step.time,
+                             ", value = ", step.value,
+                             ", but both must be finite");
     }
   }
   for (const SetPointMove& move : moves) {
     if (move.output < 0 || move.output >= num_outputs) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("set-point move: output = ", move.output,
-                       ", but it must be one of 0 … ", num_outputs - 1));
+      return InvalidArgument("set-point move: output = ", move.output,
+                             ", but it must be one of 0 … ", num_outputs - 1);
     }
     MLE_RETURN_IF_ERROR(move.change.Validate());
   }

@@ -1,9 +1,8 @@
 #include "sim/signal_step.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle::sim {
 
@@ -12,9 +11,9 @@ absl::Status SignalStep::Validate() const {
       std::isfinite(duration)) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "step: time = ", time, ", size = ", size, ", duration = ", duration,
-      ", but all must be finite and duration ≥ 0"));
+  return InvalidArgument("step: time = ", time, ", size = ", size,
+                         ", duration = ", duration,
+                         ", but all must be finite and duration ≥ 0");
 }
 
 void AddStep(const SignalStep& step, double sample_time,

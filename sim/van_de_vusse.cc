@@ -1,10 +1,8 @@
 #include "sim/van_de_vusse.h"
 
 #include <cmath>
-#include <utility>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 #include "sim/fastest_time_constant.h"
@@ -63,9 +61,9 @@ absl::Status Validate(const VanDeVusseOptions& options) {
       CheckPositive("heat_transfer", options.heat_transfer.Min()));
   if (!std::isfinite(options.heat) ||
       !std::isfinite(options.feed_temperature)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("heat = ", options.heat, ", feed_temperature = ",
-                     options.feed_temperature, ", but both must be finite"));
+    return InvalidArgument("heat = ", options.heat,
+                           ", feed_temperature = ", options.feed_temperature,
+                           ", but both must be finite");
   }
   return absl::OkStatus();
 }

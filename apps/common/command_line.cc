@@ -14,6 +14,7 @@
 #include "apps/report/text.h"
 #include "glog/logging.h"
 #include "mle/base/file.h"
+#include "mle/base/status.h"
 #include "mle/base/version.h"
 
 namespace mle {
@@ -40,7 +41,7 @@ int PrintHelp(const std::string& command, const std::string& topic,
   } else if (topic == "all") {
     std::cout << FullHelp(usage, table);
   } else if (topic == "man") {
-    std::cout << ManualPage(command, Version(), usage, table);
+    std::cout << ManualPage(command, LibraryVersion(), usage, table);
   } else if (topic == "bash") {
     std::cout << BashCompletion(command, table);
   } else {
@@ -67,7 +68,7 @@ void ParseCommandLine(const std::string& usage, const OptionTable& table,
     std::exit(PrintHelp(NameOf(argv[0]), parsed.help_topic, usage, table));
   }
   if (parsed.version) {
-    std::cout << NameOf(argv[0]) << " " << Version() << "\n";
+    std::cout << NameOf(argv[0]) << " " << LibraryVersion() << "\n";
     std::exit(kExitDone);
   }
   if (!status.ok()) std::exit(Fail(status));
@@ -86,12 +87,6 @@ void StartCommand(const std::string& usage, OptionTable& table, int argc,
 }
 
 std::string CommandLine() { return StoredCommandLine(); }
-
-std::vector<std::pair<std::string, std::string>> GivenOptions() {
-  return stored_table->Values();
-}
-
-std::string_view Version() { return LibraryVersion(); }
 
 void SayError(const std::string& message) {
   std::cerr << "error: "
@@ -112,21 +107,13 @@ int Fail(const absl::Status& status) {
 }
 
 absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder) {
-  const auto wrong = [](const absl::Status& status) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--out: ", status.message()));
-  };
-  if (const absl::Status made = MakeWritableFolder(folder); !made.ok()) {
-    return wrong(made);
-  }
-  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
-  if (!lock.ok()) return wrong(lock.status());
+  MLE_RETURN_IF_ERROR(AboutOption("out", MakeWritableFolder(folder)));
+  MLE_ASSIGN_OR_RETURN(FolderLock lock,
+                       AboutOption("out", FolderLock::Take(folder)));
   RemoveLeftovers(folder);
-  if (const absl::Status free = CheckNothingInTheWay(
-          folder, {".csv", ".html", ".json", ".mat", ".pdf", ".png", ".svg"});
-      !free.ok()) {
-    return wrong(free);
-  }
+  MLE_RETURN_IF_ERROR(AboutOption(
+      "out", CheckNothingInTheWay(folder, {".csv", ".html", ".json", ".mat",
+                                           ".pdf", ".png", ".svg"})));
   return lock;
 }
 
@@ -134,6 +121,41 @@ int UsableThreads(int asked) {
   return static_cast<int>(
       std::min(static_cast<unsigned>(asked),
                std::max(std::thread::hardware_concurrency(), 1u)));
+}
+
+NamesAndValues ShapingResults(NamesAndValues options) {
+  std::erase_if(options, [](const auto& option) {
+    return option.first == "out" || option.first == "threads" ||
+           option.first == "verbose" || option.first == "json" ||
+           option.first == "part";
+  });
+  return options;
+}
+
+NamesAndValues ResultFlags() { return ShapingResults(stored_table->Values()); }
+
+report::RunAgain HowToRunAgain(const std::vector<std::uint64_t>& seeds,
+                               NamesAndValues checksums) {
+  NamesAndValues flags;
+  for (const auto& [name, value] : ResultFlags()) {
+    flags.emplace_back(absl::StrCat("--", name), value);
+  }
+  report::RunAgain again =
+      HowToCallAgain(CommandLine(), flags, std::move(checksums));
+  if (!seeds.empty()) again.seeds = absl::StrCat(seeds.front());
+  if (seeds.size() > 1) absl::StrAppend(&again.seeds, " … ", seeds.back());
+  return again;
+}
+
+report::RunAgain HowToCallAgain(const std::string& call,
+                                const NamesAndValues& options,
+                                NamesAndValues checksums) {
+  report::RunAgain again;
+  again.command = call;
+  again.version = std::string(LibraryVersion());
+  again.more = std::move(checksums);
+  again.more.insert(again.more.end(), options.begin(), options.end());
+  return again;
 }
 
 }  // namespace mle

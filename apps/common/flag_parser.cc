@@ -5,7 +5,8 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/did_you_mean.h"
+#include "apps/common/option_table.h"
+#include "apps/common/option_values.h"
 #include "gflags/gflags.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -36,31 +37,27 @@ absl::Status SetFlag(const gflags::CommandLineFlagInfo& flag,
   const std::string set =
       gflags::SetCommandLineOption(flag.name.c_str(), value.c_str());
   if (!set.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      "--", flag.name, "=", value, ": '", value, "' is ", Wanted(flag.type)));
+  return InvalidArgument("--", flag.name, "=", value, ": '", value, "' is ",
+                         Wanted(flag.type));
 }
 
 absl::Status ParseFlagFile(const std::string& path, int depth,
                            ParsedFlags& parsed) {
   if (depth > kMaxDepth) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--flagfile=", path, ": flag files name each other more than ",
-        kMaxDepth, " deep"));
+    return InvalidArgument("--flagfile=", path,
+                           ": flag files name each other more than ", kMaxDepth,
+                           " deep");
   }
-  const absl::StatusOr<std::string> content = ReadFile(path);
-  if (!content.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--flagfile: ", content.status().message()));
-  }
+  MLE_ASSIGN_OR_RETURN(const std::string content,
+                       AboutOption("flagfile", ReadFile(path)));
   int number = 0;
-  for (const absl::string_view text : absl::StrSplit(*content, '\n')) {
+  for (const absl::string_view text : absl::StrSplit(content, '\n')) {
     ++number;
     const std::string line(absl::StripAsciiWhitespace(text));
     if (line.empty() || line[0] == '#') continue;
     const absl::Status status = ParseAll({line}, depth, parsed);
     if (!status.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(path, ":", number, ": ", status.message()));
+      return InvalidArgument(path, ":", number, ": ", status.message());
     }
   }
   return absl::OkStatus();
@@ -76,8 +73,8 @@ struct Argument {
 absl::StatusOr<Argument> Split(const std::string& text) {
   const std::size_t dashes = text.find_first_not_of('-');
   if (dashes == std::string::npos || dashes == 0 || dashes > 2) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "'", text, "' is not a flag; flags begin with -- (see --help)"));
+    return InvalidArgument("'", text,
+                           "' is not a flag; flags begin with -- (see --help)");
   }
   Argument argument;
   const std::size_t equals = text.find('=');
@@ -119,9 +116,9 @@ absl::StatusOr<gflags::CommandLineFlagInfo> FindFlag(Argument& argument) {
     argument.has_value = true;
     return flag;
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", argument.name, ": there is no such flag; ",
-                   DidYouMean(argument.name, OwnFlags()), "(see --help=all)"));
+  return InvalidArgument("--", argument.name, ": there is no such flag; ",
+                         DidYouMean(argument.name, OwnFlags()),
+                         "(see --help=all)");
 }
 
 absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
@@ -144,8 +141,8 @@ absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
       argument.value = "true";
     } else if (!argument.has_value) {
       if (++i == arguments.size()) {
-        return absl::InvalidArgumentError(absl::StrCat(
-            "--", argument.name, " needs a value: --", argument.name, "=…"));
+        return InvalidArgument("--", argument.name, " needs a value: --",
+                               argument.name, "=…");
       }
       argument.value = arguments[i];
     }

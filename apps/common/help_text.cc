@@ -8,9 +8,10 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/did_you_mean.h"
+#include "apps/common/option_values.h"
 #include "apps/report/text.h"
 #include "mle/base/absl_view.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -21,32 +22,20 @@ constexpr std::size_t kLongestShown = 30;  // of a default in the short help
 // The flags that the parser itself answers.
 const std::vector<OptionText>& EveryCommandsOptions() {
   static const auto* const kOptions = new std::vector<OptionText>{
-      {"Every command",
-       "flagfile",
-       "",
-       "",
-       "Reads flags from a file, one a line; later ones win.",
-       {},
-       false,
-       false},
-      {"Every command",
-       "help",
-       "",
-       "",
-       "The flags most needed; --help=all: all of them; --help=WORD: those "
-       "whose names contain the word; --help=man: the manual page; "
-       "--help=bash: the completion of bash.",
-       {"all", "man", "bash"},
-       true,
-       false},
-      {"Every command",
-       "version",
-       "",
-       "",
-       "The version of the program.",
-       {},
-       true,
-       false}};
+      {.group = "Every command",
+       .name = "flagfile",
+       .help = "Reads flags from a file, one a line; later ones win."},
+      {.group = "Every command",
+       .name = "help",
+       .help = "The flags most needed; --help=all: all of them; --help=WORD: "
+               "those whose names contain the word; --help=man: the manual "
+               "page; --help=bash: the completion of bash.",
+       .values = {"all", "man", "bash"},
+       .is_switch = true},
+      {.group = "Every command",
+       .name = "version",
+       .help = "The version of the program.",
+       .is_switch = true}};
   return *kOptions;
 }
 
@@ -187,9 +176,8 @@ absl::StatusOr<std::string> HelpOn(const std::string& topic,
     }
   }
   if (!found.empty()) return InGroups(found).substr(1);
-  return absl::InvalidArgumentError(
-      absl::StrCat("--help=", topic, ": ", DidYouMean(topic, names),
-                   "no flag has this in its name (see --help=all)"));
+  return InvalidArgument("--help=", topic, ": ", DidYouMean(topic, names),
+                         "no flag has this in its name (see --help=all)");
 }
 
 std::string ManualPage(std::string_view command, std::string_view version,

@@ -1,28 +1,25 @@
 #include "apps/common/model_files.h"
 
+#include <cmath>
 #include <iostream>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/common/option_table.h"
 #include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
 #include "mle/exchange/model_file.h"
 
 namespace mle {
 
-absl::Status AboutOption(const std::string& option,
-                         const absl::Status& status) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", option, ": ", status.message()));
-}
-
 absl::StatusOr<ProcessModel> ReadModel(const std::string& option,
                                        const std::string& path) {
-  absl::StatusOr<ModelFile> file = ReadModelFile(path);
-  if (!file.ok()) return AboutOption(option, file.status());
-  for (const std::string& difference : NotableDifferences(*file)) {
+  MLE_ASSIGN_OR_RETURN(ModelFile file,
+                       AboutOption(option, ReadModelFile(path)));
+  for (const std::string& difference : NotableDifferences(file)) {
     std::cerr << "warning: --" << option << ": " << difference << "\n";
   }
-  return std::move(file->process);
+  return std::move(file.process);
 }
 
 absl::StatusOr<ProcessModel> ReadModelLike(const ProcessModel& model,
@@ -30,9 +27,36 @@ absl::StatusOr<ProcessModel> ReadModelLike(const ProcessModel& model,
                                            const std::string& option,
                                            const std::string& path) {
   MLE_ASSIGN_OR_RETURN(ProcessModel other, ReadModel(option, path));
-  const absl::Status same = CheckSameChannels(model, model_path, other, path);
-  if (!same.ok()) return AboutOption(option, same);
+  MLE_RETURN_IF_ERROR(
+      AboutOption(option, CheckSameChannels(model, model_path, other, path)));
   return other;
+}
+
+std::string FormatStepResponses(const ProcessModel& channels,
+                                double sample_time,
+                                const NamedResponses& curves) {
+  std::string csv = "time";
+  for (const auto& [name, values] : curves) {
+    for (const OutputChannel& output : channels.outputs()) {
+      for (const InputChannel& input : channels.inputs()) {
+        absl::StrAppend(&csv, ",",
+                        QuoteCsvField(absl::StrCat(output.name, "/", input.name,
+                                                   " ", name)));
+      }
+    }
+  }
+  csv += '\n';
+  for (Eigen::Index k = 0; k < curves.front().second.rows(); ++k) {
+    absl::StrAppendFormat(&csv, "%.12g", static_cast<double>(k) * sample_time);
+    for (const auto& [name, values] : curves) {
+      for (const double value : values.row(k)) {
+        csv += ',';
+        if (std::isfinite(value)) absl::StrAppendFormat(&csv, "%.12g", value);
+      }
+    }
+    csv += '\n';
+  }
+  return csv;
 }
 
 absl::Status CheckMoves(const ProcessModel& model, const std::string& path,
@@ -40,10 +64,10 @@ absl::Status CheckMoves(const ProcessModel& model, const std::string& path,
   if (SettlingTime(model) > 0.0 || IsIntegrating(model)) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "--model: ", path,
       " has no element with a time constant or a dead time: there is ",
-      nothing));
+      nothing);
 }
 
 }  // namespace mle

@@ -64,9 +64,8 @@ absl::Status ReadFlagOption(Option& option) {
           }
           const bool whole = !std::is_same_v<Value, double*>;
           const std::string bounds = option.range.Describe();
-          return absl::InvalidArgumentError(
-              absl::StrCat("it must be a ", whole ? "whole" : "finite",
-                           " number", bounds.empty() ? "" : " ", bounds));
+          return InvalidArgument("it must be a ", whole ? "whole" : "finite",
+                                 " number", bounds.empty() ? "" : " ", bounds);
         } else {
           return absl::OkStatus();
         }
@@ -238,8 +237,14 @@ std::vector<OptionText> OptionTable::Texts(bool only_first) const {
 
 absl::Status RefuseOption(std::string_view name, std::string_view value,
                           std::string_view message) {
-  return absl::InvalidArgumentError(absl::StrCat(
-      "--", AbslView(name), "=", AbslView(value), ": ", AbslView(message)));
+  return InvalidArgument("--", AbslView(name), "=", AbslView(value), ": ",
+                         AbslView(message));
+}
+
+absl::Status AboutOption(std::string_view name, const absl::Status& status) {
+  return status.ok()
+             ? status
+             : InvalidArgument("--", AbslView(name), ": ", status.message());
 }
 
 absl::Status CheckSamples(std::string_view name, double value,

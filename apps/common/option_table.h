@@ -16,7 +16,7 @@
 //
 // The default of an option is what its field holds when it is added. Structs
 // that several commands have come with a function that makes their options, so
-// that an option stands once: see controller_options.h, correct_options.h.
+// that an option stands once: see shared_options.h.
 
 #ifndef APPS_COMMON_OPTION_TABLE_H_
 #define APPS_COMMON_OPTION_TABLE_H_
@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "apps/common/option_values.h"
 #include "mle/base/number_range.h"
 #include "mle/model/process_model.h"
@@ -61,12 +62,13 @@ Option& Find(std::vector<Option>& options, std::string_view name);
 struct OptionText {
   std::string group;
   std::string name;
-  std::string default_text;
-  std::string kind;  // unit and range: "min, > 0"
-  std::string help;
-  std::vector<std::string> values;  // the names that are possible, if few are
-  bool is_switch = false;           // true or false
-  bool first = false;               // among those most needed
+  std::string default_text = {};
+  std::string kind = {};  // unit and range: "min, > 0"
+  std::string help = {};
+  // The names that are possible, if few are.
+  std::vector<std::string> values = {};
+  bool is_switch = false;  // true or false
+  bool first = false;      // among those most needed
 };
 
 class OptionTable {
@@ -114,6 +116,16 @@ class OptionTable {
 // "--name=value: message" as an InvalidArgument error.
 absl::Status RefuseOption(std::string_view name, std::string_view value,
                           std::string_view message);
+
+// "--name: message", as an InvalidArgument error; a good status, or the value,
+// stays as it is.
+absl::Status AboutOption(std::string_view name, const absl::Status& status);
+template <typename Value>
+absl::StatusOr<Value> AboutOption(std::string_view name,
+                                  absl::StatusOr<Value> value) {
+  if (value.ok()) return value;
+  return AboutOption(name, value.status());
+}
 
 // That the time `value` of the option has at most 10⁷ samples, which still fit
 // into the memory.

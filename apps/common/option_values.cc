@@ -2,19 +2,39 @@
 
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/did_you_mean.h"
 #include "mle/base/absl_view.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
+#include "mle/data/nearest_names.h"
 
 namespace mle {
+namespace {
+
+// A second name is worth showing where it is about as near as the first.
+constexpr int kAlike = 2;
+
+}  // namespace
+
+std::string DidYouMean(std::string_view given,
+                       const std::vector<std::string>& known) {
+  if (given.empty()) return "";
+  const std::vector<std::string> near = NearestNames(given, known, 2);
+  if (near.empty()) return "";
+  std::string text = "did you mean '" + near[0] + "'";
+  const auto distance = [&](std::size_t k) {
+    return NameDistance(given, near[k]);
+  };
+  if (near.size() > 1 && distance(1) <= distance(0) + kAlike)
+    text += " or '" + near[1] + "'";
+  return text + "? ";
+}
+
 namespace {
 
 using Eigen::VectorXd;
@@ -34,12 +54,10 @@ absl::StatusOr<double> ParseNumber(absl::string_view text,
   const std::string shown(text);
   double number = 0.0;
   if (!absl::SimpleAtod(text, &number) || !std::isfinite(number)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("'", shown, "' is not a number"));
+    return InvalidArgument("'", shown, "' is not a number");
   }
   if (range.Contains(number)) return number;
-  return absl::InvalidArgumentError(
-      absl::StrCat("'", shown, "' must be ", range.Describe()));
+  return InvalidArgument("'", shown, "' must be ", range.Describe());
 }
 
 // A list that may be blank, and one in which `none` is a number.
@@ -51,25 +69,27 @@ struct Blank {
 TextValue ForEach(Channels channels, std::string text, Blank blank,
                   const Setter& set) {
   const auto values = std::make_shared<VectorXd>();
-  TextValue value;
-  value.text = std::move(text);
-  value.read = [=](const std::string& given, const NumberRange& range) {
-    values->resize(0);
-    if (!blank.allowed || !ParseList(given).empty()) {
-      MLE_ASSIGN_OR_RETURN(*values, ParseNumbers(given, range, blank.none));
-    }
-    set(*values);
-    return absl::OkStatus();
-  };
-  value.fit = [=](int outputs, int inputs) {
-    MLE_ASSIGN_OR_RETURN(
-        const VectorXd all,
-        FitToChannels(*values,
-                      channels == Channels::kOutputs ? outputs : inputs));
-    set(all);
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = std::move(text),
+          .read =
+              [=](const std::string& given, const NumberRange& range) {
+                values->resize(0);
+                if (!blank.allowed || !ParseList(given).empty()) {
+                  MLE_ASSIGN_OR_RETURN(*values,
+                                       ParseNumbers(given, range, blank.none));
+                }
+                set(*values);
+                return absl::OkStatus();
+              },
+          .fit =
+              [=](int outputs, int inputs) {
+                MLE_ASSIGN_OR_RETURN(
+                    const VectorXd all,
+                    FitToChannels(*values, channels == Channels::kOutputs
+                                               ? outputs
+                                               : inputs));
+                set(all);
+                return absl::OkStatus();
+              }};
 }
 
 Setter SetVector(VectorXd* values) {
@@ -93,71 +113,63 @@ TextValue OneOfNames(std::string text, const std::vector<ChoiceText>& choices,
             ? choice.name
             : absl::StrCat(choice.name, " (", choice.meaning, ")"));
   }
-  TextValue value;
-  value.text = std::move(text);
-  value.known = absl::StrJoin(described, ", ");
-  value.names = names;
-  value.read = [names, set = std::move(set)](const std::string& given,
-                                             const NumberRange&) {
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] != given) continue;
-      set(i);
-      return absl::OkStatus();
-    }
-    return absl::InvalidArgumentError(absl::StrCat(
-        DidYouMean(given, names), "choose from ", Enumerated(names)));
-  };
-  return value;
+  return {.text = std::move(text),
+          .read =
+              [names, set = std::move(set)](const std::string& given,
+                                            const NumberRange&) {
+                for (std::size_t i = 0; i < names.size(); ++i) {
+                  if (names[i] != given) continue;
+                  set(i);
+                  return absl::OkStatus();
+                }
+                return InvalidArgument(DidYouMean(given, names), "choose from ",
+                                       Enumerated(names));
+              },
+          .known = absl::StrJoin(described, ", "),
+          .names = names};
 }
 
 TextValue Words(std::vector<std::string>* words) {
-  TextValue value;
-  value.text = absl::StrJoin(*words, ",");
-  value.read = [words](const std::string& given, const NumberRange&) {
-    *words = ParseList(given);
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = absl::StrJoin(*words, ","),
+          .read = [words](const std::string& given, const NumberRange&) {
+            *words = ParseList(given);
+            return absl::OkStatus();
+          }};
 }
 
 TextValue Numbers(std::vector<double>* numbers) {
-  TextValue value;
-  value.text = absl::StrJoin(*numbers, ",");
-  value.read = [numbers](const std::string& given, const NumberRange& range) {
-    numbers->clear();
-    for (const std::string& part : ParseList(given)) {
-      MLE_ASSIGN_OR_RETURN(const double number, ParseNumber(part, range));
-      numbers->push_back(number);
-    }
-    return absl::OkStatus();
-  };
-  return value;
+  return {
+      .text = absl::StrJoin(*numbers, ","),
+      .read = [numbers](const std::string& given, const NumberRange& range) {
+        numbers->clear();
+        for (const std::string& part : ParseList(given)) {
+          MLE_ASSIGN_OR_RETURN(const double number, ParseNumber(part, range));
+          numbers->push_back(number);
+        }
+        return absl::OkStatus();
+      }};
 }
 
 TextValue OptionalNumber(std::optional<double>* number) {
-  TextValue value;
-  value.read = [number](const std::string& given, const NumberRange& range) {
+  return {.read = [number](const std::string& given, const NumberRange& range) {
     number->reset();
     if (ParseList(given).empty()) return absl::OkStatus();
     MLE_ASSIGN_OR_RETURN(*number, ParseNumber(given, range));
     return absl::OkStatus();
-  };
-  return value;
+  }};
 }
 
 TextValue ZeroForInfinity(double* number) {
-  TextValue value;
-  value.text = *number == kInfinity ? "0" : absl::StrCat(*number);
-  value.read = [number](const std::string& given, const NumberRange& range) {
-    double zero = 1.0;
-    if (absl::SimpleAtod(given, &zero) && zero == 0.0) {
-      *number = kInfinity;
-      return absl::OkStatus();
-    }
-    MLE_ASSIGN_OR_RETURN(*number, ParseNumber(given, range));
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = *number == kInfinity ? "0" : absl::StrCat(*number),
+          .read = [number](const std::string& given, const NumberRange& range) {
+            double zero = 1.0;
+            if (absl::SimpleAtod(given, &zero) && zero == 0.0) {
+              *number = kInfinity;
+              return absl::OkStatus();
+            }
+            MLE_ASSIGN_OR_RETURN(*number, ParseNumber(given, range));
+            return absl::OkStatus();
+          }};
 }
 
 TextValue ForEachOutput(VectorXd* values, std::string text) {
@@ -217,9 +229,9 @@ absl::StatusOr<VectorXd> ParseNumbers(std::string_view text,
     }
     const absl::StatusOr<double> parsed = ParseNumber(parts[i], range);
     if (!parsed.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(parsed.status().message(),
-                       unlimited.has_value() ? ", or none for no limit" : ""));
+      return InvalidArgument(
+          parsed.status().message(),
+          unlimited.has_value() ? ", or none for no limit" : "");
     }
     number = *parsed;
   }
@@ -229,9 +241,9 @@ absl::StatusOr<VectorXd> ParseNumbers(std::string_view text,
 absl::StatusOr<VectorXd> FitToChannels(const VectorXd& values, int count) {
   if (values.size() == 1) return VectorXd::Constant(count, values[0]).eval();
   if (values.size() == 0 || values.size() == count) return values;
-  return absl::InvalidArgumentError(
-      absl::StrCat(values.size(), " values; one is needed, or one for each of ",
-                   count, " channels"));
+  return InvalidArgument(values.size(),
+                         " values; one is needed, or one for each of ", count,
+                         " channels");
 }
 
 }  // namespace mle

@@ -25,15 +25,21 @@
 
 namespace mle {
 
+// "did you mean 'huber'? ", with a blank at the end; empty where none of
+// `known` is near (mle/data/nearest_names.h).
+std::string DidYouMean(std::string_view given,
+                       const std::vector<std::string>& known);
+
 struct TextValue {
-  std::string text;  // the default, then the value
+  std::string text = {};  // the default, then the value
   // Puts a text into the field. InvalidArgument says what is wrong with it; the
   // table adds the option's name.
-  std::function<absl::Status(const std::string& text, const NumberRange&)> read;
+  std::function<absl::Status(const std::string& text, const NumberRange&)>
+      read = {};
   // For a value for each channel: once their number is known.
-  std::function<absl::Status(int outputs, int inputs)> fit;
-  std::string known;  // the names that are possible, for the help text
-  std::vector<std::string> names;  // the same without what they mean
+  std::function<absl::Status(int outputs, int inputs)> fit = {};
+  std::string known = {};  // the names that are possible, for the help text
+  std::vector<std::string> names = {};  // the same without what they mean
 };
 
 struct ChoiceText {

@@ -35,23 +35,20 @@ absl::StatusOr<Part> ParsePart(const std::string& text) {
   if (numbers.size() != 2 || !absl::SimpleAtoi(numbers[0], &part.number) ||
       !absl::SimpleAtoi(numbers[1], &part.count) || part.number < 1 ||
       part.count > kMostParts || part.number > part.count) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "it must be a number and how many there are, such as 3/16; "
-        "at most ",
-        kMostParts, " parts"));
+    return InvalidArgument(
+        "it must be a number and how many there are, such as 3/16; at most ",
+        kMostParts, " parts");
   }
   part.text = absl::StrCat(part.number, "/", part.count);
   return part;
 }
 
 TextValue PartOfWork(Part* part) {
-  TextValue value;
-  value.text = part->text;
-  value.read = [part](const std::string& given, const NumberRange&) {
-    MLE_ASSIGN_OR_RETURN(*part, ParsePart(given));
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = part->text,
+          .read = [part](const std::string& given, const NumberRange&) {
+            MLE_ASSIGN_OR_RETURN(*part, ParsePart(given));
+            return absl::OkStatus();
+          }};
 }
 
 }  // namespace mle

@@ -1,5 +1,6 @@
 // Handling of system failures in a command: exhausted memory, no more threads,
-// a full disk. The command reports the failure and ends with exit code 1.
+// a full disk, which the command reports and ends with exit code 1; and of
+// signals, which ask a long command to stop in order.
 
 #ifndef APPS_COMMON_PROCESS_FAULTS_H_
 #define APPS_COMMON_PROCESS_FAULTS_H_
@@ -14,6 +15,13 @@ namespace mle {
 // - Text on standard output that could not be written is an error, unless a
 //   pipe's reader has gone: the command goes on and writes its files.
 void PrepareForFaults();
+
+// From now on SIGINT, SIGTERM and SIGHUP only ask to stop. A second one ends
+// the program at once.
+void CatchStopSignals();
+
+// Asked between the parts of the work, from any thread.
+bool StopRequested();
 
 }  // namespace mle
 

@@ -2,10 +2,10 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
-#include <iostream>
 #include <memory>
-#include <optional>
+#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -85,49 +85,33 @@ std::string SpelledDuration(double seconds) {
   return absl::StrFormat("%.1f h", seconds / 3600.0);
 }
 
-Progress::Progress(std::string what, std::int64_t total, std::int64_t before)
-    : what_(std::move(what)),
-      total_(total),
-      before_(before),
-      start_(Clock::now()),
-      done_(before) {
-  ShowStatus(absl::StrCat(what_, ": ", done_, " of ", total_));
-}
-
-void Progress::Done() {
-  std::int64_t done = 0;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    done = ++done_;
-  }
-  Show(done);
-}
-
-void Progress::Show(std::int64_t done) {
-  if (done >= total_) return EndStatus();
-  std::string text = absl::StrCat(what_, ": ", done, " of ", total_);
-  const double seconds =
-      std::chrono::duration<double>(Clock::now() - start_).count();
-  const auto fresh = static_cast<double>(done - before_);
-  if (fresh > 0.0) {
-    absl::StrAppend(
-        &text, ", about ",
-        SpelledDuration(seconds / fresh * static_cast<double>(total_ - done)),
-        " left");
-  }
-  ShowStatus(text);
-}
-
 ProgressFunction ShowProgress(std::string what) {
+  // Steady, because the system clock may be set while the command runs.
+  using Clock = std::chrono::steady_clock;
   struct Shown {
     std::once_flag begun;
-    std::optional<Progress> progress;
+    std::int64_t before = 0;
+    Clock::time_point start;
+    ~Shown() { EndStatus(); }
   };
   return [what = std::move(what), shown = std::make_shared<Shown>()](
              std::int64_t done, std::int64_t total) {
-    std::call_once(shown->begun,
-                   [&] { shown->progress.emplace(what, total, done); });
-    shown->progress->Show(done);
+    std::call_once(shown->begun, [&] {
+      shown->before = done;
+      shown->start = Clock::now();
+    });
+    if (done >= total) return EndStatus();
+    std::string text = absl::StrCat(what, ": ", done, " of ", total);
+    const double seconds =
+        std::chrono::duration<double>(Clock::now() - shown->start).count();
+    const auto fresh = static_cast<double>(done - shown->before);
+    if (fresh > 0.0) {
+      absl::StrAppend(
+          &text, ", about ",
+          SpelledDuration(seconds / fresh * static_cast<double>(total - done)),
+          " left");
+    }
+    ShowStatus(text);
   };
 }
 

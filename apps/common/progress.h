@@ -2,8 +2,8 @@
 // rewritten, in a log a line every ten seconds. Runs that are done within two
 // seconds say nothing.
 //
-//   Progress progress("runs", 40);
-//   … progress.Done();                   // from any thread
+//   const ProgressFunction told = ShowProgress("runs");
+//   … told(done, 40);                    // from any thread
 //
 //   ShowStatus("fitting 4 windows");     // for what has no parts
 //   EndStatus();                         // before anything else is printed
@@ -11,10 +11,8 @@
 #ifndef APPS_COMMON_PROGRESS_H_
 #define APPS_COMMON_PROGRESS_H_
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <ostream>
 #include <string>
 
@@ -45,37 +43,13 @@ void EndStatus();
 // "40 s", "7 min", "3.5 h".
 std::string SpelledDuration(double seconds);
 
-// A run of many parts: how many are done and how long the others may take.
-class Progress {
- public:
-  // `before` parts were done by a former run.
-  Progress(std::string what, std::int64_t total, std::int64_t before = 0);
-  ~Progress() { EndStatus(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  // One more part is done, or `done` of them are; may be called from any
-  // thread.
-  void Done();
-  void Show(std::int64_t done);
-
- private:
-  // Steady, because the system clock may be set while the command runs.
-  using Clock = std::chrono::steady_clock;
-  const std::string what_;
-  const std::int64_t total_;
-  const std::int64_t before_;
-  const Clock::time_point start_;
-  std::mutex mutex_;
-  std::int64_t done_;
-};
-
 // How work tells that so many of its parts are done; may be called from any
 // thread.
 using ProgressFunction =
     std::function<void(std::int64_t done, std::int64_t total)>;
 
-// Shows what it is told, from the first call on and as long as it lives.
+// Shows what it is told, and how long the others may take, from the first call
+// on and as long as it lives. What is done then was done by a former run.
 ProgressFunction ShowProgress(std::string what);
 
 }  // namespace mle

@@ -1,13 +1,10 @@
-#include "apps/correct/advice.h"
-
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 #include "control/loop_analysis.h"
 #include "control/prediction_model.h"
 #include "control/retuning.h"
@@ -28,22 +25,12 @@ constexpr double kResidualLevel = 0.01;
 // With fewer of its samples than this share an output lacks those first.
 constexpr double kFewSamples = 0.5;
 
-std::vector<InputRole> RolesOf(const ProcessModel& model) {
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
-  return roles;
-}
-
 control::RetuningOptions RetuningOptionsOf(const Result& result) {
   control::RetuningOptions options;
   options.threads = result.options.threads;
   options.time_unit = result.initial.time_unit();
-  for (const OutputChannel& output : result.initial.outputs()) {
-    options.output_names.push_back(output.name);
-  }
-  for (const InputChannel& input : result.initial.inputs()) {
-    options.input_names.push_back(input.name);
-  }
+  options.output_names = NamesOf(result.initial.outputs());
+  options.input_names = NamesOf(result.initial.inputs());
   return options;
 }
 
@@ -215,7 +202,7 @@ absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result) {
   MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
                        control::DescribeAsFirstOrder(result.initial_response));
   std::vector<std::string> unused;
-  return control::TuneByRules(elements, RolesOf(result.initial),
+  return control::TuneByRules(elements, InputRoles(result.initial),
                               result.data.sample_time(), tuning,
                               RetuningOptionsOf(result), unused);
 }
@@ -248,8 +235,7 @@ Tuning AdviseTuning(const Result& result) {
           ? "Controller tuning, from the tuning given by the flags to the "
             "tuning for the corrected model:"
           : "Controller tuning by published rules, from the controller's model "
-            "to "
-            "the corrected model. The controller's own tuning was not given "
+            "to the corrected model. The controller's own tuning was not given "
             "(--control_period and others).";
   tuning.reasons = *reasons;
   return tuning;
@@ -271,9 +257,8 @@ std::vector<std::string> Advise(const Result& result) {
       advice.push_back(absl::StrCat(
           "Use the corrected model in the controller: ",
           ModelCorrectedText(result),
-          "model.json has its "
-          "transfer functions, fopdt.json those of first order nearest to "
-          "them, ",
+          "model.json has its transfer functions, fopdt.json those of first "
+          "order nearest to them, ",
           result.corrected.has_arx() ? "arx.json its ARX form for prediction, "
                                      : "",
           result.state_space.model.has_value()

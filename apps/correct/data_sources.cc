@@ -1,15 +1,16 @@
 #include "apps/correct/data_sources.h"
 
-#include <string>
+#include <array>
+#include <cerrno>
+#include <cstdio>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "apps/common/sha256.h"
-#include "apps/correct/checksum.h"
 #include "mle/base/absl_view.h"
+#include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/row_source.h"
@@ -80,6 +81,38 @@ HistorianSource Hashed(HistorianSource source,
 
 }  // namespace
 
+absl::StatusOr<DataFile> ReadDataFile(const std::string& path) {
+  if (path == "-") {
+    return DataFile{path, Sha256Of(StandardInput()),
+                    static_cast<std::int64_t>(StandardInput().size())};
+  }
+  MLE_RETURN_IF_ERROR(CheckRegularFile(path));
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
+      std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (file == nullptr) {
+    return absl::ErrnoToStatus(errno, absl::StrCat("cannot open '", path, "'"));
+  }
+  Sha256 hash;
+  DataFile result{.path = path};
+  std::array<char, 1 << 16> block;
+  while (true) {
+    const std::size_t size =
+        std::fread(block.data(), 1, block.size(), file.get());
+    if (size == 0) break;
+    result.bytes += static_cast<std::int64_t>(size);
+    hash.Add(std::string_view(block.data(), size));
+  }
+  if (std::ferror(file.get()) != 0) {
+    return absl::ErrnoToStatus(errno, absl::StrCat("cannot read '", path, "'"));
+  }
+  result.sha256 = hash.HexDigest();
+  if (result.sha256.empty()) {
+    return absl::InternalError(
+        absl::StrCat("the checksum of '", path, "' could not be computed"));
+  }
+  return result;
+}
+
 absl::StatusOr<DataSources> DataSources::Create(
     const std::vector<std::string>& names, const DatabaseOptions& database,
     const HistorianOptions& import) {
@@ -92,9 +125,7 @@ absl::StatusOr<DataSources> DataSources::Create(
     if (source.is_table) {
       source = Hashed(std::move(source), file);
     } else {
-      MLE_ASSIGN_OR_RETURN(FileChecksum checksum, ChecksumOf(names[s]));
-      file->sha256 = std::move(checksum.sha256);
-      file->bytes = checksum.bytes;
+      MLE_ASSIGN_OR_RETURN(*file, ReadDataFile(names[s]));
     }
     data.files_.push_back(std::move(file));
   }

@@ -22,10 +22,14 @@ namespace mle::correct {
 
 // A file as it was read; of a database its name and the rows as CSV.
 struct DataFile {
-  std::string path;
-  std::string sha256;  // of its bytes, hexadecimal
+  std::string path = {};
+  std::string sha256 = {};  // of its bytes, hexadecimal
   std::int64_t bytes = 0;
 };
+
+// Reads the file block by block; of "-" what standard input had. Errors name
+// the path.
+absl::StatusOr<DataFile> ReadDataFile(const std::string& path);
 
 class DataSources {
  public:

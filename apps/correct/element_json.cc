@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "apps/correct/advice.h"
+#include "apps/correct/report.h"
 #include "apps/correct/result_json.h"
 
 namespace mle::correct {

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/advice.h"
 
 namespace mle::correct {
 namespace {
@@ -26,10 +25,7 @@ std::string TimeLabel(const Result& result, const std::string& what) {
 report::NamedFigure NewFigure(const std::string& name,
                               const std::string& caption, int rows, int columns,
                               double row_height_cm) {
-  report::NamedFigure named;
-  named.name = name;
-  named.caption = caption;
-  named.alt = caption;
+  report::NamedFigure named{.name = name, .caption = caption};
   named.figure.columns = columns;
   named.figure.width_cm =
       std::clamp(kPanelWidthCm * columns, 2.0 * kPanelWidthCm, kMaxWidthCm);
@@ -41,12 +37,10 @@ void AddPairPanels(
     const Result& result, const std::string& x_label, report::Figure& figure,
     const std::function<void(int i, int j, report::Panel& panel)>& fill) {
   const ProcessModel& model = result.initial;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      report::Panel& panel = figure.AddPanel(PairName(model, i, j));
-      if (i + 1 == model.num_outputs()) panel.x.label = x_label;
-      fill(i, j, panel);
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    report::Panel& panel = figure.AddPanel(PairName(model, i, j));
+    if (i + 1 == model.num_outputs()) panel.x.label = x_label;
+    fill(i, j, panel);
   }
 }
 

@@ -1,15 +1,11 @@
-#include "apps/correct/figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/figure_parts.h"
-#include "apps/correct/mismatch_map.h"
-#include "apps/correct/outputs.h"
+#include "apps/correct/report.h"
 #include "apps/report/figure.h"
 
 namespace mle::correct {
@@ -51,9 +47,7 @@ NamedFigure MismatchFigure(const Result& result) {
   Panel& panel = named.figure.AddPanel("");
   panel.x.label = "input";
   panel.y.label = "output";
-  for (const InputChannel& input : model.inputs()) {
-    panel.x.names.push_back(input.name);
-  }
+  panel.x.names = NamesOf(model.inputs());
   for (int i = p - 1; i >= 0; --i) {
     panel.y.names.push_back(model.outputs()[i].name);
     for (int j = 0; j < m; ++j) {

@@ -1,13 +1,11 @@
-#include "apps/correct/headline.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 #include "mle/model/element_response.h"
 
 namespace mle::correct {
@@ -161,12 +159,10 @@ const Message* Mistake(const Result& result) {
 std::vector<ElementChange> ElementChanges(const Result& result) {
   std::vector<ElementChange> changes;
   if (result.decision != Decision::kCorrected) return changes;
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      if (!HasChanged(result, i, j)) continue;
-      changes.push_back({i, j, result.change.elements(i, j),
-                         DescribePairChange(result, i, j)});
-    }
+  for (const auto& [i, j] : Pairs(result.initial)) {
+    if (!HasChanged(result, i, j)) continue;
+    changes.push_back(
+        {i, j, result.change.elements(i, j), DescribePairChange(result, i, j)});
   }
   std::stable_sort(changes.begin(), changes.end(),
                    [](const ElementChange& a, const ElementChange& b) {

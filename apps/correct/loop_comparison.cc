@@ -1,14 +1,10 @@
-#include "apps/correct/loop_comparison.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
 
-#include "apps/correct/advice.h"
+#include "apps/correct/report.h"
 #include "apps/correct/result.h"
 #include "control/mpc.h"
-#include "control/prediction_model.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/model/process_model.h"

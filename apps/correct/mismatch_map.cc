@@ -1,15 +1,13 @@
-#include "apps/correct/mismatch_map.h"
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/advice.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {
@@ -139,22 +137,19 @@ double SizeOfChange(const Result& result, int output, int input) {
 report::Table ChangeList(const Result& result) {
   const ProcessModel& model = result.initial;
   std::vector<std::pair<int, int>> named;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (IsNamed(result, i, j)) named.emplace_back(i, j);
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    if (IsNamed(result, i, j)) named.emplace_back(i, j);
   }
   std::stable_sort(named.begin(), named.end(),
                    [&](const auto& one, const auto& other) {
                      return SizeOfChange(result, one.first, one.second) >
                             SizeOfChange(result, other.first, other.second);
                    });
-  report::Table table;
-  table.caption = "Changes by element, the largest first";
-  table.columns = {{"element", report::Align::kLeft},
-                   {"step response by"},
-                   {"what has changed", report::Align::kLeft}};
-  table.searchable = true;
+  report::Table table{.caption = "Changes by element, the largest first",
+                      .columns = {{"element", report::Align::kLeft},
+                                  {"step response by"},
+                                  {"what has changed", report::Align::kLeft}},
+                      .searchable = true};
   for (const auto& [i, j] : named) {
     const double size = SizeOfChange(result, i, j);
     const std::string percent =
@@ -167,6 +162,21 @@ report::Table ChangeList(const Result& result) {
   return table;
 }
 
+// A row for each output, with a text for each input.
+report::Table PairGrid(const ProcessModel& model,
+                       const std::function<std::string(int, int)>& text) {
+  report::Table table{.columns = {{"output ← input", report::Align::kLeft}}};
+  for (const InputChannel& input : model.inputs()) {
+    table.columns.push_back({input.name, report::Align::kCenter});
+  }
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    std::vector<std::string> row = {model.outputs()[i].name};
+    for (int j = 0; j < model.num_inputs(); ++j) row.push_back(text(i, j));
+    table.AddRow(std::move(row));
+  }
+  return table;
+}
+
 }  // namespace
 
 bool FitsInColumns(const ProcessModel& model) {
@@ -174,22 +184,14 @@ bool FitsInColumns(const ProcessModel& model) {
 }
 
 report::Table ChangeMap(const Result& result) {
-  const ProcessModel& model = result.initial;
-  if (!FitsInColumns(model)) return ChangeList(result);
-  report::Table table;
-  table.columns = {{"output ← input", report::Align::kLeft}};
-  for (const InputChannel& input : model.inputs()) {
-    table.columns.push_back({input.name, report::Align::kCenter});
-  }
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    std::vector<std::string> row = {model.outputs()[i].name};
-    std::vector<int> levels = {0};
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      row.push_back(DescribePair(result, i, j));
+  if (!FitsInColumns(result.initial)) return ChangeList(result);
+  report::Table table = PairGrid(
+      result.initial, [&](int i, int j) { return DescribePair(result, i, j); });
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    std::vector<int>& levels = table.levels.emplace_back(1);
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
       levels.push_back(LevelOfChange(result, i, j));
     }
-    table.AddRow(std::move(row));
-    table.levels.push_back(std::move(levels));
   }
   return table;
 }
@@ -201,18 +203,16 @@ std::string WhatOthersShow(const Result& result) {
   int others = 0;
   int weak = 0;
   int unknown = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const PairState state = result.information.pair(i, j).state;
-      if (state == PairState::kAbsent) continue;
-      if (IsNamed(result, i, j)) {
-        ++named;
-        continue;
-      }
-      ++others;
-      if (state == PairState::kWeak) ++weak;
-      if (state == PairState::kNotInformed) ++unknown;
+  for (const auto& [i, j] : Pairs(model)) {
+    const PairState state = result.information.pair(i, j).state;
+    if (state == PairState::kAbsent) continue;
+    if (IsNamed(result, i, j)) {
+      ++named;
+      continue;
     }
+    ++others;
+    if (state == PairState::kWeak) ++weak;
+    if (state == PairState::kNotInformed) ++unknown;
   }
   if (others == 0) return "";
   if (!result.data.obstacles.empty()) {
@@ -275,32 +275,22 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
 
 report::Table MismatchTable(const Result& result) {
   const ProcessModel& model = result.initial;
+  const auto text = [&](int i, int j) {
+    return absl::StrJoin(DescribeMismatch(result, i, j), "; ");
+  };
   report::Table table;
-  table.caption =
-      "Mismatch by element: changes, and p-value of the controller's values";
-  if (!FitsInColumns(model)) {
+  if (FitsInColumns(model)) {
+    table = PairGrid(model, text);
+  } else {
     table.columns = {{"element", report::Align::kLeft},
                      {"mismatch", report::Align::kLeft}};
-    for (int i = 0; i < model.num_outputs(); ++i) {
-      for (int j = 0; j < model.num_inputs(); ++j) {
-        if (result.information.pair(i, j).state == PairState::kAbsent) continue;
-        table.AddRow({PairName(model, i, j),
-                      absl::StrJoin(DescribeMismatch(result, i, j), "; ")});
-      }
+    for (const auto& [i, j] : Pairs(model)) {
+      if (result.information.pair(i, j).state == PairState::kAbsent) continue;
+      table.AddRow({PairName(model, i, j), text(i, j)});
     }
-    return table;
   }
-  table.columns = {{"output ← input", report::Align::kLeft}};
-  for (const InputChannel& input : model.inputs()) {
-    table.columns.push_back({input.name, report::Align::kCenter});
-  }
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    std::vector<std::string> row = {model.outputs()[i].name};
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      row.push_back(absl::StrJoin(DescribeMismatch(result, i, j), "; "));
-    }
-    table.AddRow(std::move(row));
-  }
+  table.caption =
+      "Mismatch by element: changes, and p-value of the controller's values";
   return table;
 }
 

@@ -1,5 +1,3 @@
-#include "apps/correct/page.h"
-
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -8,19 +6,77 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "apps/correct/headline.h"
-#include "apps/correct/mismatch_map.h"
-#include "apps/correct/record_tables.h"
-#include "apps/correct/since_last_run.h"
-#include "apps/correct/tables.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/table.h"
 #include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {
+
+// The result compared with that of an earlier run, for the page.
+
+using report::Align;
+using report::FormatSignificant;
+
+template <typename Channels>
+int NumberOf(const Channels& channels, const std::string& name) {
+  int number = 0;
+  while (channels[number].name != name) ++number;
+  return number;
+}
+
+const ParameterEstimate& ParameterOf(const ElementEstimate& element,
+                                     const std::string& name) {
+  if (name == "gain") return element.gain;
+  return name == "delay" ? element.delay : element.time_scale;
+}
+
+std::string Spelled(const std::string& name) {
+  if (name == "delay") return "dead time";
+  return absl::StrReplaceAll(name, {{"_", " "}});
+}
+
+std::string WithLimits(double value, double lower, double upper) {
+  return absl::StrCat(FormatSignificant(value, 4), " ± ",
+                      FormatSignificant(0.5 * (upper - lower), 2));
+}
+
+// Adds the decision of the last run, and the parameters whose intervals then
+// and now do not overlap. result.request.last must be there.
+void AddSinceLastRun(const Result& result, report::HtmlPage& page) {
+  const PreviousRun& last = *result.request.last;
+  const ProcessModel& model = result.initial;
+  report::Table table{
+      .caption = "Estimates that differ by more than both intervals",
+      .columns = {{"element", Align::kLeft},
+                  {"value", Align::kLeft},
+                  {"last run"},
+                  {"now"}}};
+  for (const PreviousEstimate& then : last.estimates) {
+    const int output = NumberOf(model.outputs(), then.output);
+    const int input = NumberOf(model.inputs(), then.input);
+    const ElementEstimate& element =
+        result.estimate.fit.output_error.full.element(output, input);
+    if (element.state != ElementState::kFitted) continue;
+    const ParameterEstimate& now = ParameterOf(element, then.name);
+    if (now.lower <= then.upper && then.lower <= now.upper) continue;
+    table.AddRow({PairName(model, output, input), Spelled(then.name),
+                  WithLimits(then.value, then.lower, then.upper),
+                  WithLimits(now.value, now.lower, now.upper)});
+  }
+  page.AddSubheading("Since the last run");
+  page.AddParagraph(absl::StrCat(
+      "The last run", last.until.empty() ? "" : " (records until ", last.until,
+      last.until.empty() ? "" : ")", " said “",
+      absl::StrReplaceAll(last.decision, {{"_", " "}}), "”. ",
+      table.rows.empty()
+          ? "No estimate differs from it by more than both intervals."
+          : ""));
+  if (!table.rows.empty()) page.AddTable(table);
+}
 
 using report::DrawnFigure;
 using report::HtmlPage;
@@ -29,7 +85,6 @@ using Figures = std::vector<DrawnFigure>;
 
 // Tables with more rows are folded.
 constexpr std::size_t kMostOpenRows = 8;
-constexpr std::size_t kMostWarnings = 3;
 
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
 // same bytes are wanted again (reproducible-builds.org); and what it is about.
@@ -53,41 +108,34 @@ std::string WhenMade(const Result& result) {
   return text + ".";
 }
 
-report::Badge BadgeOf(const Result& result) {
-  if (!result.usable()) return report::Badge::kUnknown;
+// Badge and headline.
+report::Verdict OpeningOf(const Result& result) {
+  using report::Badge;
+  const std::string headline = Headline(result);
+  if (!result.usable()) return {Badge::kUnknown, "not usable", headline, {}};
   switch (result.decision) {
     case Decision::kNoChange:
-      return report::Badge::kGood;
+      return {Badge::kGood, "unchanged", headline, {}};
     case Decision::kCorrected:
-      return report::Badge::kChanged;
+      return {Badge::kChanged, "corrected", headline, {}};
     case Decision::kCannotTell:
       break;
   }
-  return report::Badge::kUnknown;
+  return {Badge::kUnknown, "cannot tell", headline, {}};
 }
 
-std::string LabelOf(const Result& result) {
-  if (!result.usable()) return "not usable";
-  switch (result.decision) {
-    case Decision::kNoChange:
-      return "unchanged";
-    case Decision::kCorrected:
-      return "corrected";
-    case Decision::kCannotTell:
-      break;
-  }
-  return "cannot tell";
+std::vector<std::string> ShownOf(const std::vector<Message>& messages) {
+  std::vector<std::string> texts;
+  for (const Message& message : messages) texts.push_back(Shown(message));
+  return texts;
 }
 
 void SetVerdict(const Result& result, HtmlPage& page) {
-  report::Verdict verdict = {
-      BadgeOf(result), LabelOf(result), Headline(result), {}};
-  verdict.sentences.push_back(Instruction(result));
-  verdict.sentences.push_back(ReasonBesideHeadline(result));
-  verdict.sentences.push_back(SignNote(result));
-  verdict.sentences.push_back(WhatItIsWorth(result));
-  verdict.sentences.push_back(
-      absl::StrCat(WhenMade(result), " ", IntervalNote(result)));
+  report::Verdict verdict = OpeningOf(result);
+  verdict.sentences = {
+      Instruction(result), ReasonBesideHeadline(result), SignNote(result),
+      WhatItIsWorth(result),
+      absl::StrCat(WhenMade(result), " ", IntervalNote(result))};
   std::erase(verdict.sentences, "");
   page.SetVerdict(std::move(verdict));
 }
@@ -96,14 +144,7 @@ void AddWarnings(const Result& result, HtmlPage& page) {
   for (const Message& failure : result.failures) {
     page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
   }
-  const bool many = result.warnings.size() > kMostWarnings;
-  if (many) {
-    page.OpenFold(absl::StrCat(result.warnings.size(), " warnings"));
-  }
-  for (const Message& warning : result.warnings) {
-    page.AddWarning(Shown(warning));
-  }
-  if (many) page.CloseFold();
+  page.AddWarnings(ShownOf(result.warnings));
 }
 
 void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
@@ -111,12 +152,8 @@ void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
   if (const report::Table changes = ChangeMap(result); !changes.rows.empty()) {
     page.AddTable(changes);
   }
-  if (const std::string others = WhatOthersShow(result); !others.empty()) {
-    page.AddParagraph(others);
-  }
-  if (const std::string why = WhyNotEstimated(result); !why.empty()) {
-    page.AddParagraph(why);
-  }
+  page.AddParagraph(WhatOthersShow(result));
+  page.AddParagraph(WhyNotEstimated(result));
   if (result.request.last.has_value()) AddSinceLastRun(result, page);
   AddFigure(figures, "changed_responses", page);
   if (HasFigure(figures, "step_responses")) {
@@ -157,10 +194,7 @@ void AddForTheController(const Result& result, HtmlPage& page) {
   }
   page.AddTableToCopy(ControllerTable(result, true),
                       ControllerTable(result, false));
-  if (const std::string where = WhereFirstOrderIsNotNear(result);
-      !where.empty()) {
-    page.AddParagraph(where);
-  }
+  page.AddParagraph(WhereFirstOrderIsNotNear(result));
   if (result.accepted()) page.OpenFold("The same as files");
   page.AddFiles(FilesOf(result));
   page.CloseFold();
@@ -227,15 +261,11 @@ void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
   }
   page.AddTable(WindowTable(result.data, result.initial));
   if (many) page.CloseFold();
-  if (const std::string how = HowToLeaveOut(result); !how.empty()) {
-    page.AddParagraph(how);
-  }
+  page.AddParagraph(HowToLeaveOut(result));
   page.OpenFold("Files, channels and what was found in them");
   page.AddTable(FileTable(result.data, result.files, result.initial));
   page.AddTable(ChannelTable(result.data, result.initial));
-  std::vector<std::string> notes;
-  for (const Message& note : result.notes) notes.push_back(Shown(note));
-  if (!notes.empty()) page.AddList(notes);
+  if (!result.notes.empty()) page.AddList(ShownOf(result.notes));
   AddFigure(figures, "records", page);
   page.CloseFold();
 }
@@ -335,9 +365,7 @@ std::string FormatPage(const Result& result, const Figures& figures,
   AddRecords(result, figures, page);
   AddTrust(result, figures, page);
   if (!result.accepted()) AddForTheController(result, page);
-  page.OpenFold("Run it again");
-  page.AddRunAgain(run_again);
-  page.CloseFold();
+  page.AddLastFolds({}, run_again);
   return page.Render();
 }
 

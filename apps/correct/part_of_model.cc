@@ -1,22 +1,93 @@
-#include "apps/correct/part_of_model.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/did_you_mean.h"
 #include "apps/common/option_table.h"
+#include "apps/common/option_values.h"
+#include "apps/correct/request.h"
 #include "mle/base/status.h"
-#include "mle/data/missing_channels.h"
+#include "mle/data/historian_file.h"
+#include "mle/data/joined_files.h"
+#include "mle/data/nearest_names.h"
 #include "mle/data/record_columns.h"
+#include "mle/model/process_model.h"
 
 namespace mle::correct {
 namespace {
+
+using Kind = RecordColumn::Kind;
+
+std::string DigitsOf(const std::string& name) {
+  std::string digits;
+  for (const char c : name) {
+    if (absl::ascii_isdigit(static_cast<unsigned char>(c))) digits += c;
+  }
+  return digits;
+}
+
+// FC101 is not FC102 mistyped; FC 101.PV may be FC101.
+bool MayBeMeant(const std::string& name,
+                const std::vector<std::string>& columns) {
+  const std::vector<std::string> near = NearestNames(name, columns);
+  return std::any_of(near.begin(), near.end(), [&](const std::string& other) {
+    return DigitsOf(name) == DigitsOf(other);
+  });
+}
+
+// The inputs and outputs whose column, by its tag or by their name, stands in
+// no header of the sources, nor one that may be meant by it: a name of the same
+// digits that is near or contains it, and is not used otherwise. Errors as of
+// an import where a table is not understood.
+absl::StatusOr<std::vector<std::string>> MissingChannels(
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
+    const HistorianOptions& options) {
+  std::set<std::string> unused;
+  for (const std::string& name : options.columns.unused_tags) {
+    unused.insert(FoldedName(name));
+  }
+  const std::vector<std::string> wanted_tags =
+      WantedTags(channels, options.columns);
+  std::map<std::string, std::string> found;  // by their folded names
+  for (const HistorianSource& source : sources) {
+    MLE_ASSIGN_OR_RETURN(const HistorianColumns columns,
+                         HistorianFile::Columns(source, channels, options));
+    for (const std::string& name : TagsOf(source, columns, wanted_tags)) {
+      if (!unused.contains(FoldedName(name))) found[FoldedName(name)] = name;
+    }
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<RecordColumn> known,
+                       ColumnsOf(channels));
+  std::map<std::string, std::string> wanted;  // the columns, by their channels
+  for (const RecordColumn& column : known) {
+    if (column.kind != Kind::kTime) wanted[column.name] = column.name;
+  }
+  for (const TagMapping& tag : options.columns.tags) {
+    wanted[tag.channel] = tag.tag;
+  }
+  std::map<std::string, std::string> free = found;
+  for (const auto& [channel, column] : wanted) free.erase(FoldedName(column));
+  std::vector<std::string> others;
+  for (const auto& [folded, name] : free) others.push_back(name);
+  std::vector<std::string> missing;
+  for (const RecordColumn& column : known) {
+    if (column.kind != Kind::kOutput && column.kind != Kind::kInput) continue;
+    const std::string& name = wanted.at(column.name);
+    // A column of the channel's name is one, whatever tag was declared.
+    if (!found.contains(FoldedName(name)) && !MayBeMeant(name, others) &&
+        !found.contains(FoldedName(column.name))) {
+      missing.push_back(column.name);
+    }
+  }
+  return missing;
+}
 
 // Numbers of channels, ascending.
 struct Channels {
@@ -148,10 +219,7 @@ std::string WhyNot(const ProcessModel& model, int output,
 
 absl::Status ChooseOutputs(Request& request) {
   if (request.outputs.empty()) return absl::OkStatus();
-  std::vector<std::string> known;
-  for (const OutputChannel& output : request.model.outputs()) {
-    known.push_back(output.name);
-  }
+  const std::vector<std::string> known = NamesOf(request.model.outputs());
   for (const std::string& name : request.outputs) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     return RefuseOption("outputs", name,
@@ -202,11 +270,9 @@ ProcessModel InWholeModel(const Request& request, const ProcessModel& part) {
   for (int j = 0; j < whole.num_inputs(); ++j) {
     inputs[whole.inputs()[j].name] = j;
   }
-  for (int i = 0; i < part.num_outputs(); ++i) {
-    for (int j = 0; j < part.num_inputs(); ++j) {
-      whole.element(outputs.at(part.outputs()[i].name),
-                    inputs.at(part.inputs()[j].name)) = part.element(i, j);
-    }
+  for (const auto& [i, j] : Pairs(part)) {
+    whole.element(outputs.at(part.outputs()[i].name),
+                  inputs.at(part.inputs()[j].name)) = part.element(i, j);
   }
   return whole;
 }

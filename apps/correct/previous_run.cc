@@ -1,8 +1,8 @@
-#include "apps/correct/previous_run.h"
-
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "apps/common/option_table.h"
+#include "apps/correct/request.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "nlohmann/json.hpp"
@@ -52,9 +52,8 @@ absl::Status ReadElements(const ParsedJson& elements, const ProcessModel& model,
     estimate.input = TextAt(element, "input");
     if (!HasName(model.outputs(), estimate.output) ||
         !HasName(model.inputs(), estimate.input)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("it is of another model: '", estimate.output, " ← ",
-                       estimate.input, "' is not in this one"));
+      return InvalidArgument("it is of another model: '", estimate.output,
+                             " ← ", estimate.input, "' is not in this one");
     }
     for (const char* const name : {"gain", "time_constant", "delay"}) {
       if (!ReadEstimate(element, name, estimate)) continue;
@@ -71,16 +70,12 @@ absl::StatusOr<PreviousRun> ReadPreviousRun(const std::string& folder,
                                             const ProcessModel& model) {
   const std::string path = folder + "/result.json";
   const auto wrong = [&](absl::string_view what) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--previous: '", path, "': ", what));
+    return InvalidArgument("--previous: '", path, "': ", what);
   };
-  const absl::StatusOr<std::string> text = ReadFile(path);
-  if (!text.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--previous: ", text.status().message()));
-  }
+  MLE_ASSIGN_OR_RETURN(const std::string text,
+                       AboutOption("previous", ReadFile(path)));
   const ParsedJson json =
-      ParsedJson::parse(*text, nullptr, /*allow_exceptions=*/false);
+      ParsedJson::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || TextAt(json, "program") != "mle_correct") {
     return wrong("it is not a result of mle_correct");
   }

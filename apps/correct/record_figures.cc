@@ -1,6 +1,5 @@
 // The records as they came, and what the models make of them.
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -11,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "apps/correct/figure_parts.h"
-#include "apps/correct/record_tables.h"
+#include "apps/correct/report.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
 

@@ -1,5 +1,3 @@
-#include "apps/correct/record_options.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,7 +6,8 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/did_you_mean.h"
+#include "apps/common/option_values.h"
+#include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/data/tag_file.h"
 #include "mle/data/time_format.h"
@@ -20,25 +19,24 @@ namespace {
 TextValue ForEachFile(
     std::vector<ClockOptions>* clocks, std::string text,
     const std::function<absl::Status(const std::string&, ClockOptions&)>& set) {
-  TextValue value;
-  value.text = std::move(text);
-  value.read = [=](const std::string& given, const NumberRange&) {
-    std::vector<std::string> values = ParseList(given);
-    if (values.empty()) values.emplace_back();
-    if (clocks->empty()) clocks->resize(1);
-    if (clocks->size() == 1) clocks->resize(values.size(), clocks->front());
-    if (values.size() > 1 && values.size() != clocks->size()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "there are ", values.size(), " values, where another ",
-          "option has one for each of ", clocks->size(), " files"));
-    }
-    for (std::size_t f = 0; f < clocks->size(); ++f) {
-      MLE_RETURN_IF_ERROR(
-          set(values[std::min(f, values.size() - 1)], (*clocks)[f]));
-    }
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = std::move(text),
+          .read = [=](const std::string& given, const NumberRange&) {
+            std::vector<std::string> values = ParseList(given);
+            if (values.empty()) values.emplace_back();
+            if (clocks->empty()) clocks->resize(1);
+            if (clocks->size() == 1)
+              clocks->resize(values.size(), clocks->front());
+            if (values.size() > 1 && values.size() != clocks->size()) {
+              return InvalidArgument(
+                  "there are ", values.size(), " values, where another ",
+                  "option has one for each of ", clocks->size(), " files");
+            }
+            for (std::size_t f = 0; f < clocks->size(); ++f) {
+              MLE_RETURN_IF_ERROR(
+                  set(values[std::min(f, values.size() - 1)], (*clocks)[f]));
+            }
+            return absl::OkStatus();
+          }};
 }
 
 TextValue ForEachFile(std::vector<ClockOptions>* clocks,
@@ -60,9 +58,8 @@ absl::Status SetTimeFormat(const std::string& text, ClockOptions& clock) {
     return absl::OkStatus();
   }
   if (text.find('%') == std::string::npos) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("choose from ", absl::StrJoin(names, ", "),
-                     ", and a form such as '%d.%m.%Y %H:%M'"));
+    return InvalidArgument("choose from ", absl::StrJoin(names, ", "),
+                           ", and a form such as '%d.%m.%Y %H:%M'");
   }
   MLE_RETURN_IF_ERROR(TimePattern::Create(text).status());
   clock.format = TimeFormat::kPattern;
@@ -83,8 +80,7 @@ TextValue TimeFormatOf(std::vector<ClockOptions>* clocks) {
 // Numbers, and other texts that have a digit and a colon, as dates have.
 TextValue TimesOrDates(std::vector<double>* times,
                        std::vector<std::string>* dates) {
-  TextValue value;
-  value.read = [=](const std::string& given, const NumberRange&) {
+  return {.read = [=](const std::string& given, const NumberRange&) {
     times->clear();
     dates->clear();
     for (const std::string& part : ParseList(given)) {
@@ -94,21 +90,18 @@ TextValue TimesOrDates(std::vector<double>* times,
       } else if (part.find(':') != std::string::npos) {
         dates->push_back(part);
       } else {
-        return absl::InvalidArgumentError(
-            absl::StrCat("'", part,
-                         "' is not a number, nor a date such as 2024-02-29 "
-                         "12:34"));
+        return InvalidArgument(
+            "'", part,
+            "' is not a number, nor a date such as 2024-02-29 12:34");
       }
     }
     return absl::OkStatus();
-  };
-  return value;
+  }};
 }
 
 // TAG or TAG=CHANNEL, separated by commas.
 TextValue ModeTags(std::vector<ModeTag>* modes) {
-  TextValue value;
-  value.read = [modes](const std::string& given, const NumberRange&) {
+  return {.read = [modes](const std::string& given, const NumberRange&) {
     modes->clear();
     for (const std::string& part : ParseList(given)) {
       const std::size_t equals = part.rfind('=');
@@ -116,13 +109,11 @@ TextValue ModeTags(std::vector<ModeTag>* modes) {
       mode.tag = part.substr(0, equals);
       if (equals != std::string::npos) mode.channel = part.substr(equals + 1);
       if (mode.tag.empty()) {
-        return absl::InvalidArgumentError(
-            absl::StrCat("'", part, "' is neither TAG nor TAG=CHANNEL"));
+        return InvalidArgument("'", part, "' is neither TAG nor TAG=CHANNEL");
       }
     }
     return absl::OkStatus();
-  };
-  return value;
+  }};
 }
 
 bool IsColumnOf(const ProcessModel& model, const std::string& name) {
@@ -214,8 +205,7 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
        "Records after this time are not read; a day alone is its midnight."},
       {"separate_files", &import.separate_files,
        "Files whose times are numbers are taken one after another, in the "
-       "order "
-       "given, whatever their times: each may begin at 0."},
+       "order given, whatever their times: each may begin at 0."},
       {"separator",
        OneOf<char>(&import.separator, {{"recognise", '\0', ""},
                                        {"comma", ',', ""},
@@ -312,9 +302,8 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
       {"mode_tag", ModeTags(&options.modes),
        "Tags that say when the controller was in use (TAG), or the loop of an "
        "output or below an input (TAG=CHANNEL), separated by commas; words "
-       "such "
-       "as MAN, AUTO, CAS, SHED, or 1 and 0. Moves of inputs by hand count as "
-       "changes."},
+       "such as MAN, AUTO, CAS, SHED, or 1 and 0. Moves of inputs by hand "
+       "count as changes."},
       {"change_times",
        TimesOrDates(&windows.change_times, &options.change_dates),
        "Times of set-point changes, for records without set points, ascending "
@@ -340,13 +329,10 @@ absl::Status ParseTags(const std::vector<std::string>& tags,
                        const std::string& tag_file, const ProcessModel& model,
                        ColumnOptions& columns) {
   if (!tag_file.empty()) {
-    absl::StatusOr<TagTable> mapped = ReadTagFile(tag_file, model);
-    if (!mapped.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--tag_file: ", mapped.status().message()));
-    }
-    columns.tags = std::move(mapped->tags);
-    columns.unused_tags = std::move(mapped->unused);
+    MLE_ASSIGN_OR_RETURN(TagTable mapped,
+                         AboutOption("tag_file", ReadTagFile(tag_file, model)));
+    columns.tags = std::move(mapped.tags);
+    columns.unused_tags = std::move(mapped.unused);
   }
   for (const std::string& text : tags) {
     MLE_ASSIGN_OR_RETURN(TagMapping mapping, ParseTag(text, model));

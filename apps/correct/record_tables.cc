@@ -1,17 +1,15 @@
-#include "apps/correct/record_tables.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {
@@ -70,15 +68,14 @@ std::string TimeUnit(const RecordData& data, const ProcessModel& model) {
 Table FileTable(const RecordData& data, const std::vector<DataFile>& files,
                 const ProcessModel& model) {
   const TimeNames times = data.Times(model);
-  Table table;
-  table.caption =
-      absl::StrCat("Files, sampled every ", FormatTime(data.sample_time()), " ",
-                   model.time_unit(), " for the correction");
-  table.columns = {{"file", Align::kLeft},
-                   {"rows"},
-                   {absl::StrCat("from (", TimeUnit(data, model), ")")},
-                   {"to"},
-                   {"SHA-256", Align::kLeft}};
+  Table table{.caption = absl::StrCat("Files, sampled every ",
+                                      FormatTime(data.sample_time()), " ",
+                                      model.time_unit(), " for the correction"),
+              .columns = {{"file", Align::kLeft},
+                          {"rows"},
+                          {absl::StrCat("from (", TimeUnit(data, model), ")")},
+                          {"to"},
+                          {"SHA-256", Align::kLeft}}};
   for (const FileReport& file : data.report.files) {
     std::string sha256;
     for (const DataFile& one : files) {
@@ -94,18 +91,17 @@ Table FileTable(const RecordData& data, const std::vector<DataFile>& files,
 }
 
 Table ChannelTable(const RecordData& data, const ProcessModel& model) {
-  Table table;
-  table.caption = "Channels";
-  table.columns = {{"channel", Align::kLeft},
-                   {"kind", Align::kLeft},
-                   {"unit", Align::kLeft},
-                   {"smallest"},
-                   {"largest"},
-                   {"bad in files"},
-                   {"bridged samples"},
-                   {"outlying"},
-                   {"frozen"},
-                   {"missing samples"}};
+  Table table{.caption = "Channels",
+              .columns = {{"channel", Align::kLeft},
+                          {"kind", Align::kLeft},
+                          {"unit", Align::kLeft},
+                          {"smallest"},
+                          {"largest"},
+                          {"bad in files"},
+                          {"bridged samples"},
+                          {"outlying"},
+                          {"frozen"},
+                          {"missing samples"}}};
   const auto add = [&](const std::string& name, const char* kind,
                        const std::string& unit, ChannelRange range,
                        const ChannelHealth& health) {
@@ -120,19 +116,15 @@ Table ChannelTable(const RecordData& data, const ProcessModel& model) {
          channel != nullptr ? FormatInteger(channel->missing) : "–"});
   };
   for (int i = 0; i < model.num_outputs(); ++i) {
-    add(model.outputs()[i].name, "output", model.outputs()[i].unit,
-        RangeOf(data,
-                [i](const Record& r) -> Eigen::RowVectorXd {
-                  return r.outputs.row(i);
-                }),
+    const OutputChannel& output = model.outputs()[i];
+    add(output.name, "output", output.unit,
+        RangeOf(data, [i](const Record& r) { return r.outputs.row(i).eval(); }),
         data.health.channels[i]);
   }
   for (int j = 0; j < model.num_inputs(); ++j) {
-    add(model.inputs()[j].name, "input", model.inputs()[j].unit,
-        RangeOf(data,
-                [j](const Record& r) -> Eigen::RowVectorXd {
-                  return r.inputs.row(j);
-                }),
+    const InputChannel& input = model.inputs()[j];
+    add(input.name, "input", input.unit,
+        RangeOf(data, [j](const Record& r) { return r.inputs.row(j).eval(); }),
         data.health.channels[model.num_outputs() + j]);
   }
   return table;
@@ -140,15 +132,14 @@ Table ChannelTable(const RecordData& data, const ProcessModel& model) {
 
 Table WindowTable(const RecordData& data, const ProcessModel& model) {
   const TimeNames times = data.Times(model);
-  Table table;
-  table.caption = "Windows around set-point changes";
-  table.stacked = true;
-  table.columns = {{"window"},
-                   {absl::StrCat("from (", TimeUnit(data, model), ")")},
-                   {"to"},
-                   {absl::StrCat("length (", model.time_unit(), ")")},
-                   {"set-point changes", Align::kLeft},
-                   {"remarks", Align::kLeft}};
+  Table table{.caption = "Windows around set-point changes",
+              .columns = {{"window"},
+                          {absl::StrCat("from (", TimeUnit(data, model), ")")},
+                          {"to"},
+                          {absl::StrCat("length (", model.time_unit(), ")")},
+                          {"set-point changes", Align::kLeft},
+                          {"remarks", Align::kLeft}},
+              .stacked = true};
   for (std::size_t w = 0; w < data.windows.size(); ++w) {
     const SetPointWindow& window = data.windows[w];
     std::vector<std::string> changes;

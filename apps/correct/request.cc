@@ -3,13 +3,9 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/controller_options.h"
-#include "apps/common/correct_options.h"
 #include "apps/common/model_files.h"
-#include "apps/correct/part_of_model.h"
-#include "apps/correct/record_options.h"
+#include "apps/common/shared_options.h"
 #include "mle/base/status.h"
 
 namespace mle::correct {
@@ -27,16 +23,14 @@ std::vector<Option> FileOptions(Request& request) {
        "--table or --query. Must be given."},
       {"out", &request.out,
        "Folder for report.html, result.json, model.json, model.mat, "
-       "fopdt.json, "
-       "arx.json, state_space.json, step_response.csv and, of a --model in "
-       "another form, model_corrected."},
+       "fopdt.json, arx.json, state_space.json, step_response.csv and, of a "
+       "--model in another form, model_corrected."},
       {"truth", &request.truth_path,
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},
       {"outputs", Words(&request.outputs),
        "Outputs that are judged and corrected, separated by commas; empty: "
-       "all. "
-       "Columns of the others are not needed."},
+       "all. Columns of the others are not needed."},
       {"dry_run", &request.dry_run,
        "Only reads the records and reports on them."},
       {"verbose", &request.verbose,
@@ -46,8 +40,7 @@ std::vector<Option> FileOptions(Request& request) {
        "output; the files are written as well."},
       {"propose_tags", &request.propose_tags,
        "Only writes this file for --tag_file, with a row for each column of "
-       "the "
-       "records and the channel whose name is nearest, to be checked."},
+       "the records and the channel whose name is nearest, to be checked."},
       {"previous", &request.previous,
        "Folder of the last run (its --out): the page compares the results."},
       {"figures", &request.figures,
@@ -66,9 +59,8 @@ absl::Status ReadModels(Request& request) {
         "--model=FILE.json (or .csv) and --data=A.csv,B.csv must be given (see "
         "--help)");
   }
-  absl::StatusOr<ModelFile> file = ReadModelFile(request.model_path);
-  if (!file.ok()) return AboutOption("model", file.status());
-  request.model_file = *std::move(file);
+  MLE_ASSIGN_OR_RETURN(request.model_file,
+                       AboutOption("model", ReadModelFile(request.model_path)));
   request.model = request.model_file.process;
   MLE_RETURN_IF_ERROR(
       CheckMoves(request.model, request.model_path, "nothing to correct"));
@@ -83,17 +75,15 @@ absl::Status CheckOutput(const Request& request) {
   if (!request.json || (!request.dry_run && request.propose_tags.empty())) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("--json: there is no result.json with ",
-                   request.dry_run ? "--dry_run" : "--propose_tags"));
+  return InvalidArgument("--json: there is no result.json with ",
+                         request.dry_run ? "--dry_run" : "--propose_tags");
 }
 
 absl::Status CheckDataPaths(const std::vector<std::string>& paths) {
   std::set<std::string> seen;
   for (const std::string& path : paths) {
     if (!seen.insert(path).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--data: '", path, "' is named twice"));
+      return InvalidArgument("--data: '", path, "' is named twice");
     }
   }
   return absl::OkStatus();
@@ -148,13 +138,11 @@ absl::Status CompleteForModel(Request& request, OptionTable& table) {
   }
   if (const absl::Status status = request.import.Validate(request.model);
       !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("options of the records: ", status.message()));
+    return InvalidArgument("options of the records: ", status.message());
   }
   if (const absl::Status status = request.options.records.Validate();
       !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("options of the windows: ", status.message()));
+    return InvalidArgument("options of the windows: ", status.message());
   }
   EstimationOptions& estimation = request.options.estimation;
   estimation.calibration.seed = estimation.conversion.seed;

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/figure_parts.h"
-#include "apps/correct/headline.h"
-#include "apps/correct/outputs.h"
+#include "apps/correct/report.h"
 
 namespace mle::correct {
 namespace {
@@ -25,13 +23,8 @@ constexpr int kColumns = 3;
 constexpr std::size_t kMostChanged = 6;
 constexpr std::size_t kMostLoops = 6;
 
-struct Pair {
-  int output = 0;
-  int input = 0;
-};
-
 // "% per t/h": of a step response.
-std::string ResponseUnit(const ProcessModel& model, const Pair& pair) {
+std::string ResponseUnit(const ProcessModel& model, const PairPlace& pair) {
   const std::string& y = model.outputs()[pair.output].unit;
   const std::string& u = model.inputs()[pair.input].unit;
   if (y.empty() || u.empty()) return "step response";
@@ -46,7 +39,7 @@ int ColumnsFor(std::size_t panels) {
   return std::min(static_cast<int>(panels), kColumns);
 }
 
-void AddResponses(const Result& result, const Pair& pair, Panel& panel) {
+void AddResponses(const Result& result, const PairPlace& pair, Panel& panel) {
   const std::vector<double> time =
       Times(0.0, result.initial_response.sample_time,
             result.initial_response.samples());
@@ -79,7 +72,7 @@ void AddResponses(const Result& result, const Pair& pair, Panel& panel) {
 
 NamedFigure ResponsesOf(const Result& result, const std::string& name,
                         const std::string& caption,
-                        const std::vector<Pair>& pairs) {
+                        const std::vector<PairPlace>& pairs) {
   const int columns = ColumnsFor(pairs.size());
   const int rows = RowsFor(pairs.size(), columns);
   NamedFigure named = NewFigure(name, caption, rows, columns, 4.6);
@@ -95,7 +88,7 @@ NamedFigure ResponsesOf(const Result& result, const std::string& name,
   return named;
 }
 
-bool IsZero(const Result& result, const Pair& pair) {
+bool IsZero(const Result& result, const PairPlace& pair) {
   const auto none = [&](const StepResponse& response) {
     return response.element(pair.output, pair.input).isZero(0.0);
   };
@@ -123,11 +116,9 @@ std::vector<const LoopStep*> MostChanged(const std::vector<LoopStep>& steps) {
 }  // namespace
 
 std::optional<NamedFigure> StepResponseFigure(const Result& result) {
-  std::vector<Pair> pairs;
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      if (!IsZero(result, {i, j})) pairs.push_back({i, j});
-    }
+  std::vector<PairPlace> pairs;
+  for (const auto& [i, j] : Pairs(result.initial)) {
+    if (!IsZero(result, {i, j})) pairs.push_back({i, j});
   }
   // A horizon that ends within all dead times.
   if (pairs.empty()) return std::nullopt;
@@ -144,7 +135,7 @@ std::optional<NamedFigure> ChangedResponseFigure(const Result& result) {
   if (changes.empty()) return std::nullopt;
   const bool all = changes.size() <= kMostChanged;
   if (!all) changes.resize(kMostChanged);
-  std::vector<Pair> pairs;
+  std::vector<PairPlace> pairs;
   for (const ElementChange& change : changes) {
     pairs.push_back({change.output, change.input});
   }

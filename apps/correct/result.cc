@@ -1,7 +1,6 @@
 #include "apps/correct/result.h"
 
 #include <string_view>
-#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
@@ -9,9 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "apps/correct/advice.h"
-#include "apps/correct/part_of_model.h"
-#include "apps/correct/verdict.h"
+#include "apps/correct/report.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 

@@ -3,7 +3,7 @@
 #ifndef APPS_CORRECT_RESULT_H_
 #define APPS_CORRECT_RESULT_H_
 
-#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,13 +12,46 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/correct/data_sources.h"
-#include "apps/correct/finding.h"
-#include "apps/correct/loop_comparison.h"
 #include "apps/correct/request.h"
+#include "mle/data/record.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/step_response.h"
 
 namespace mle::correct {
+
+// The effect of a correction on control: set points followed by the controller
+// with the old model and with the corrected one, on a plant that is as the
+// corrected model says.
+
+// A step of one output's set point from rest, without noise or limits.
+struct LoopStep {
+  int output = 0;
+  Record before;  // under the model in use
+  Record after;   // under the corrected model, tuned as before
+  // Squared errors of all outputs in units of the set-point step, summed over
+  // the samples: after / before.
+  double error_ratio = 1.0;
+};
+
+struct LoopComparison {
+  bool told = false;  // the tuning was given, and is not that of rules
+  std::vector<LoopStep> steps;  // of each output
+};
+
+// One thing that a run found out. Console, page and result.json show the same
+// list of them.
+struct Finding {
+  std::string name;  // "gain", "response_change", "fit_percent"
+  std::string place;  // "overhead ← reflux", "overhead"; empty: the whole model
+  double value = std::numeric_limits<double>::quiet_NaN();  // NaN: has none
+  std::string unit;
+  double lower = std::numeric_limits<double>::quiet_NaN();  // its interval
+  double upper = std::numeric_limits<double>::quiet_NaN();
+  std::string text;  // a whole sentence; empty: part of the one before
+};
+
+// The texts that are there.
+std::vector<std::string> Sentences(const std::vector<Finding>& findings);
 
 // How to tune the controller for the corrected model.
 struct Tuning {
@@ -42,6 +75,9 @@ struct Result : CorrectionResult {
 
   int exit_code() const;
 };
+
+// FailedPrecondition where nothing was corrected, or a loop is not stable.
+absl::StatusOr<LoopComparison> CompareLoops(const Result& result);
 
 // Names and SHA-256 of the files, for the page.
 std::vector<std::pair<std::string, std::string>> Checksums(

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/correct/advice.h"
+#include "apps/correct/report.h"
 #include "mle/data/stretches.h"
 #include "mle/model/json_text.h"
 
@@ -300,10 +300,8 @@ void AddFindings(const Result& result, Json& json) {
        result.options.estimation.output_error.false_alarm_probability},
       {"change_proposed", result.estimate.fit.change_proposed}};
   Json elements = Json::array();
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      elements.push_back(ElementJson(result, i, j));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    elements.push_back(ElementJson(result, i, j));
   }
   json["elements"] = std::move(elements);
   json["response_horizon"] = (result.initial_response.samples() - 1) *

@@ -1,18 +1,11 @@
-#include "apps/correct/tables.h"
-
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/advice.h"
-#include "apps/correct/outputs.h"
-#include "apps/correct/verdict.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {
@@ -92,50 +85,46 @@ Table ParameterTable(const Result& result) {
   const ProcessModel& model = result.initial;
   const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
   const bool shown = result.accepted() && result.corrected.process.has_value();
-  Table table;
-  table.caption = absl::StrCat("Elements; times in ", model.time_unit());
-  table.columns = {{"element", Align::kLeft},
-                   {"value", Align::kLeft},
-                   {"controller's model"},
-                   {"all elements free"},
-                   {"written"},
-                   {"p, no change"},
-                   {"records", Align::kLeft}};
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const ElementEstimate& full = output_error.full.element(i, j);
-      const ElementEstimate& written = output_error.corrected.element(i, j);
-      if (full.state == ElementState::kAbsent) continue;
-      const bool fitted = full.state == ElementState::kFitted;
-      const bool changed = shown && output_error.aged(i, j);
-      const struct {
-        const char* name;
-        const ParameterEstimate& full;
-        const ParameterEstimate& written;
-      } rows[] = {
-          {model.element(i, j).IsIntegrating() ? "gain (slope)" : "gain",
-           full.gain, written.gain},
-          {"time constant", full.time_scale, written.time_scale},
-          {"dead time", full.delay, written.delay}};
-      bool first = true;
-      for (const auto& row : rows) {
-        // An integrator without lag has no time constant.
-        if (&row.full == &full.time_scale && row.full.initial == 0.0) continue;
-        table.AddRow(
-            {first ? PairName(model, i, j) : "", row.name,
-             FormatSignificant(row.full.initial, 4),
-             fitted ? WithInterval(row.full) : "–",
-             changed ? WithInterval(row.written)
-             : result.corrected.process.has_value()
-                 ? FormatSignificant(row.full.initial, 4)
-                 : "–",
-             first && fitted
-                 ? FormatProbability(output_error.element_p_values(i, j))
-                 : "",
-             first ? std::string(NameOf(result.information.pair(i, j).state))
-                   : ""});
-        first = false;
-      }
+  Table table{.caption = absl::StrCat("Elements; times in ", model.time_unit()),
+              .columns = {{"element", Align::kLeft},
+                          {"value", Align::kLeft},
+                          {"controller's model"},
+                          {"all elements free"},
+                          {"written"},
+                          {"p, no change"},
+                          {"records", Align::kLeft}}};
+  for (const auto& [i, j] : Pairs(model)) {
+    const ElementEstimate& full = output_error.full.element(i, j);
+    const ElementEstimate& written = output_error.corrected.element(i, j);
+    if (full.state == ElementState::kAbsent) continue;
+    const bool fitted = full.state == ElementState::kFitted;
+    const bool changed = shown && output_error.aged(i, j);
+    const struct {
+      const char* name;
+      const ParameterEstimate& full;
+      const ParameterEstimate& written;
+    } rows[] = {{model.element(i, j).IsIntegrating() ? "gain (slope)" : "gain",
+                 full.gain, written.gain},
+                {"time constant", full.time_scale, written.time_scale},
+                {"dead time", full.delay, written.delay}};
+    bool first = true;
+    for (const auto& row : rows) {
+      // An integrator without lag has no time constant.
+      if (&row.full == &full.time_scale && row.full.initial == 0.0) continue;
+      table.AddRow(
+          {first ? PairName(model, i, j) : "", row.name,
+           FormatSignificant(row.full.initial, 4),
+           fitted ? WithInterval(row.full) : "–",
+           changed ? WithInterval(row.written)
+           : result.corrected.process.has_value()
+               ? FormatSignificant(row.full.initial, 4)
+               : "–",
+           first && fitted
+               ? FormatProbability(output_error.element_p_values(i, j))
+               : "",
+           first ? std::string(NameOf(result.information.pair(i, j).state))
+                 : ""});
+      first = false;
     }
   }
   return table;
@@ -143,44 +132,40 @@ Table ParameterTable(const Result& result) {
 
 Table FopdtTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  Table table;
-  table.caption = absl::StrCat(
-      "The model written as first-order elements with dead time, and of second "
-      "order where these are not near; times in ",
-      model.time_unit());
-  table.columns = {{"element", Align::kLeft},
-                   {"gain"},
-                   {"time constant"},
-                   {"dead time"},
-                   {"fit", Align::kLeft}};
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
-      if (element.shape == FopdtShape::kNoResponse) continue;
-      table.AddRow(
-          {PairName(model, i, j),
-           WithError(result, element.gain, element.gain_error) +
-               SlopeMark(element),
-           WithError(result, element.time_constant,
-                     element.time_constant_error),
-           WithError(result, element.delay, element.delay_error),
-           element.exact
-               ? "exact"
-               : absl::StrCat(
-                     element.shape == FopdtShape::kPoorFit ? "poor, " : "",
-                     "residual ", PercentOrDash(100.0 * element.relative_rms),
-                     ", at most ",
-                     PercentOrDash(100.0 * element.largest_difference))});
-      if (!element.second_order.has_value()) continue;
-      const SopdtFit& second = *element.second_order;
-      table.AddRow(
-          {"… of second order", FormatSignificant(second.gain, 4),
-           absl::StrCat(FormatSignificant(second.time_constant, 4),
-                        ", damping ", FormatSignificant(second.damping, 3)),
-           FormatSignificant(second.delay, 4),
-           absl::StrCat("at most ",
-                        PercentOrDash(100.0 * second.largest_difference))});
-    }
+  Table table{.caption = absl::StrCat(
+                  "The model written as first-order elements with dead time, "
+                  "and of second order where these are not near; times in ",
+                  model.time_unit()),
+              .columns = {{"element", Align::kLeft},
+                          {"gain"},
+                          {"time constant"},
+                          {"dead time"},
+                          {"fit", Align::kLeft}}};
+  for (const auto& [i, j] : Pairs(model)) {
+    const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+    if (element.shape == FopdtShape::kNoResponse) continue;
+    table.AddRow(
+        {PairName(model, i, j),
+         WithError(result, element.gain, element.gain_error) +
+             SlopeMark(element),
+         WithError(result, element.time_constant, element.time_constant_error),
+         WithError(result, element.delay, element.delay_error),
+         element.exact
+             ? "exact"
+             : absl::StrCat(
+                   element.shape == FopdtShape::kPoorFit ? "poor, " : "",
+                   "residual ", PercentOrDash(100.0 * element.relative_rms),
+                   ", at most ",
+                   PercentOrDash(100.0 * element.largest_difference))});
+    if (!element.second_order.has_value()) continue;
+    const SopdtFit& second = *element.second_order;
+    table.AddRow(
+        {"… of second order", FormatSignificant(second.gain, 4),
+         absl::StrCat(FormatSignificant(second.time_constant, 4), ", damping ",
+                      FormatSignificant(second.damping, 3)),
+         FormatSignificant(second.delay, 4),
+         absl::StrCat("at most ",
+                      PercentOrDash(100.0 * second.largest_difference))});
   }
   return table;
 }
@@ -188,15 +173,14 @@ Table FopdtTable(const Result& result) {
 Table ValidationTable(const Result& result) {
   const Validation& validation = result.validation;
   const bool held_out = validation.held_out;
-  Table table;
-  table.caption =
-      absl::StrCat(held_out ? "Fit on parts of windows held out"
-                            : "Fit of the controller's model on all windows",
-                   ": 100 % is a perfect prediction, 0 % as good as the mean");
-  table.columns = {{"output, model", Align::kLeft},
-                   {"one step ahead"},
-                   {Ahead(result)},
-                   {"simulated"}};
+  Table table{.caption = absl::StrCat(
+                  held_out ? "Fit on parts of windows held out"
+                           : "Fit of the controller's model on all windows",
+                  ": 100 % is a perfect prediction, 0 % as good as the mean"),
+              .columns = {{"output, model", Align::kLeft},
+                          {"one step ahead"},
+                          {Ahead(result)},
+                          {"simulated"}}};
   const auto add = [&](int i, const char* row, const auto& cell) {
     const OutputScores& scores = validation.outputs[i];
     table.AddRow({absl::StrCat(result.initial.outputs()[i].name, ", ", row),
@@ -222,12 +206,12 @@ Table ValidationTable(const Result& result) {
 
 Table ResidualTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  Table table;
-  table.caption =
-      "Residual tests, one step ahead (p-values): whiteness; independence of "
-      "past inputs";
-  table.columns = {
-      {"output, model", Align::kLeft}, {"variance"}, {"whiteness"}};
+  Table table{
+      .caption =
+          "Residual tests, one step ahead (p-values): whiteness; independence "
+          "of past inputs",
+      .columns = {
+          {"output, model", Align::kLeft}, {"variance"}, {"whiteness"}}};
   for (const InputChannel& input : model.inputs()) {
     table.columns.push_back({input.name});
   }
@@ -249,17 +233,16 @@ Table ResidualTable(const Result& result) {
 
 Table NoiseTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  Table table;
-  table.caption = "Estimated noise of the outputs";
-  table.columns = {{"output", Align::kLeft},
-                   {"white: standard deviation"},
-                   {"drift: standard deviation after 100 samples"},
-                   {"coloured: standard deviation"},
-                   {"coloured: time constant"},
-                   {"coloured: damping"},
-                   {"periods"},
-                   {"steps"},
-                   {"offset of each window", Align::kLeft}};
+  Table table{.caption = "Estimated noise of the outputs",
+              .columns = {{"output", Align::kLeft},
+                          {"white: standard deviation"},
+                          {"drift: standard deviation after 100 samples"},
+                          {"coloured: standard deviation"},
+                          {"coloured: time constant"},
+                          {"coloured: damping"},
+                          {"periods"},
+                          {"steps"},
+                          {"offset of each window", Align::kLeft}}};
   const TimeNames times = result.data.Times(model);
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& noise = result.estimate.setting.noise[i];
@@ -302,18 +285,16 @@ std::string IntervalNote(const Result& result) {
 std::string WhereFirstOrderIsNotNear(const Result& result) {
   const ProcessModel& model = result.initial;
   std::vector<std::string> pairs;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
-      if (element.shape == FopdtShape::kNoResponse || element.exact ||
-          !(element.largest_difference > kNearFopdt)) {
-        continue;
-      }
-      pairs.push_back(
-          absl::StrCat(PairName(model, i, j), " (by up to ",
-                       FormatSignificant(100.0 * element.largest_difference, 2),
-                       " % of its response)"));
+  for (const auto& [i, j] : Pairs(model)) {
+    const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+    if (element.shape == FopdtShape::kNoResponse || element.exact ||
+        !(element.largest_difference > kNearFopdt)) {
+      continue;
     }
+    pairs.push_back(
+        absl::StrCat(PairName(model, i, j), " (by up to ",
+                     FormatSignificant(100.0 * element.largest_difference, 2),
+                     " % of its response)"));
   }
   if (pairs.empty()) return "";
   const std::string given = CorrectedName(result.request.model_file);
@@ -333,16 +314,16 @@ std::string WhereFirstOrderIsNotNear(const Result& result) {
 Table ControllerTable(const Result& result, bool with_intervals) {
   const ProcessModel& model = result.initial;
   const std::string time = absl::StrCat(" (", model.time_unit(), ")");
-  Table table;
-  table.caption =
-      "The model as first-order elements with dead time, changed ones coloured";
-  table.stacked = true;
-  table.columns = {{"output", Align::kLeft},
-                   {"input", Align::kLeft},
-                   {"gain"},
-                   {"time constant" + time},
-                   {"dead time" + time},
-                   {"before", Align::kLeft}};
+  Table table{.caption =
+                  "The model as first-order elements with dead time, changed "
+                  "ones coloured",
+              .columns = {{"output", Align::kLeft},
+                          {"input", Align::kLeft},
+                          {"gain"},
+                          {"time constant" + time},
+                          {"dead time" + time},
+                          {"before", Align::kLeft}},
+              .stacked = true};
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
@@ -368,12 +349,12 @@ Table ControllerTable(const Result& result, bool with_intervals) {
 
 Table FitTable(const Result& result) {
   const Validation& validation = result.validation;
-  Table table;
-  table.caption = absl::StrCat(
-      "How well each output is predicted, ", Ahead(result),
-      validation.held_out ? ", in data held out" : ", in all windows",
-      " (100 %: perfectly, 0 %: as by the mean)");
-  table.columns = {{"output", Align::kLeft}, {"controller's model"}};
+  Table table{
+      .caption = absl::StrCat(
+          "How well each output is predicted, ", Ahead(result),
+          validation.held_out ? ", in data held out" : ", in all windows",
+          " (100 %: perfectly, 0 %: as by the mean)"),
+      .columns = {{"output", Align::kLeft}, {"controller's model"}}};
   if (validation.held_out) table.columns.push_back({"corrected model"});
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const HorizonScore& score = validation.outputs[i].several_steps;
@@ -387,14 +368,13 @@ Table FitTable(const Result& result) {
 
 Table CertificateTable(const Result& result) {
   const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
-  Table table;
-  table.caption = "Certificate of the output-error fits";
-  table.columns = {{"output", Align::kLeft},
-                   {"step to the optimum (standard deviations)"},
-                   {"rank"},
-                   {"condition"},
-                   {"iterations"},
-                   {"dead-time search", Align::kLeft}};
+  Table table{.caption = "Certificate of the output-error fits",
+              .columns = {{"output", Align::kLeft},
+                          {"step to the optimum (standard deviations)"},
+                          {"rank"},
+                          {"condition"},
+                          {"iterations"},
+                          {"dead-time search", Align::kLeft}}};
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const FitCertificate& certificate = fit.certificates[i];
     const bool free = certificate.num_parameters > 0;

@@ -1,5 +1,3 @@
-#include "apps/correct/verdict.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,8 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/correct/advice.h"
-#include "apps/report/number.h"
+#include "apps/correct/report.h"
+#include "apps/report/text.h"
 #include "mle/base/double_limits.h"
 
 namespace mle::correct {
@@ -45,21 +43,19 @@ std::string Confirmation(const Result& result) {
   double largest = 0.0;
   int confirmed = 0;
   std::vector<std::string> unknown;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const ElementEstimate& element = full.element(i, j);
-      const PairState state = result.information.pair(i, j).state;
-      if (state == PairState::kAbsent) continue;
-      if (state != PairState::kInformed) {
-        if (DetectableGain(result, i, j) < kDetectable) continue;
-        unknown.push_back(PairName(model, i, j));
-        continue;
-      }
-      ++confirmed;
-      largest = std::max(largest,
-                         HalfWidth(element.gain) /
-                             std::max(std::abs(element.gain.initial), 1e-300));
+  for (const auto& [i, j] : Pairs(model)) {
+    const ElementEstimate& element = full.element(i, j);
+    const PairState state = result.information.pair(i, j).state;
+    if (state == PairState::kAbsent) continue;
+    if (state != PairState::kInformed) {
+      if (DetectableGain(result, i, j) < kDetectable) continue;
+      unknown.push_back(PairName(model, i, j));
+      continue;
     }
+    ++confirmed;
+    largest =
+        std::max(largest, HalfWidth(element.gain) /
+                              std::max(std::abs(element.gain.initial), 1e-300));
   }
   std::string text;
   if (confirmed > 0) {
@@ -88,15 +84,13 @@ std::string WhereMost(const Result& result) {
   int changed = 0;
   double largest = -1.0;
   std::string most;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (result.information.pair(i, j).state != PairState::kAbsent) ++present;
-      if (!HasChanged(result, i, j)) continue;
-      ++changed;
-      if (!(result.change.elements(i, j) > largest)) continue;
-      largest = result.change.elements(i, j);
-      most = PairName(model, i, j);
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    if (result.information.pair(i, j).state != PairState::kAbsent) ++present;
+    if (!HasChanged(result, i, j)) continue;
+    ++changed;
+    if (!(result.change.elements(i, j) > largest)) continue;
+    largest = result.change.elements(i, j);
+    most = PairName(model, i, j);
   }
   if (changed == 0) return "";
   return absl::StrCat("; ", changed, " of ", present,
@@ -209,21 +203,18 @@ void AddElement(const ElementEstimate& element, const std::string& pair,
 void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
   const ProcessModel& model = result.initial;
   const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (!HasChanged(result, i, j)) continue;
-      const std::string pair = PairName(model, i, j);
-      if (result.corrected.process.has_value()) {
-        AddElement(output_error.corrected.element(i, j), pair,
-                   model.time_unit(), findings);
-        continue;
-      }
-      const double change = 100.0 * result.change.elements(i, j);
-      findings.push_back(
-          {"response_change", pair, change, "%", kNaN, kNaN,
-           absl::StrCat(pair, ": the step response changes by ",
-                        PercentInWords(change), " of its size.")});
+  for (const auto& [i, j] : Pairs(model)) {
+    if (!HasChanged(result, i, j)) continue;
+    const std::string pair = PairName(model, i, j);
+    if (result.corrected.process.has_value()) {
+      AddElement(output_error.corrected.element(i, j), pair, model.time_unit(),
+                 findings);
+      continue;
     }
+    const double change = 100.0 * result.change.elements(i, j);
+    findings.push_back({"response_change", pair, change, "%", kNaN, kNaN,
+                        absl::StrCat(pair, ": the step response changes by ",
+                                     PercentInWords(change), " of its size.")});
   }
 }
 

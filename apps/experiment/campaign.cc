@@ -16,8 +16,7 @@ absl::Status ExpandWeight(const char* name, int channels,
                           Eigen::MatrixXd& weight) {
   const auto expanded = FitToChannels(weight.diagonal(), channels);
   if (!expanded.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(name, ": ", expanded.status().message()));
+    return InvalidArgument(name, ": ", expanded.status().message());
   }
   weight = expanded->asDiagonal();
   return absl::OkStatus();
@@ -47,8 +46,8 @@ absl::Status CheckScenario(const Campaign& campaign, const Scenario& scenario) {
     options.correction.selection = selection.options;
     const absl::Status status = options.Validate(model);
     if (status.ok()) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("selection '", selection.name, "': ", status.message()));
+    return InvalidArgument("selection '", selection.name,
+                           "': ", status.message());
   }
   return absl::OkStatus();
 }
@@ -163,10 +162,10 @@ absl::Status CheckScenarios(const Campaign& campaign) {
       for (at.windows = 0; at.windows < count(campaign.windows); ++at.windows) {
         const absl::Status status = CheckScenario(campaign, at);
         if (status.ok()) continue;
-        return absl::InvalidArgumentError(absl::StrCat(
+        return InvalidArgument(
             "model '", campaign.models[at.model].name, "', controller '",
             campaign.controllers[at.controller].name, "', windows '",
-            campaign.windows[at.windows].name, "', ", status.message()));
+            campaign.windows[at.windows].name, "', ", status.message());
       }
     }
   }
@@ -205,9 +204,8 @@ absl::StatusOr<Method> ParseMethod(std::string_view name) {
   const absl::StatusOr<Estimator> parsed =
       method.solve_by_ceres ? Estimator::kArx : ParseEstimator(estimator);
   if (!parsed.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(parsed.status().message(), ", ", std::string(kCeres),
-                     " and ", std::string(kNone)));
+    return InvalidArgument(parsed.status().message(), ", ", std::string(kCeres),
+                           " and ", std::string(kNone));
   }
   method.estimator = *parsed;
   if (colon != std::string_view::npos) {

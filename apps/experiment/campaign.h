@@ -22,6 +22,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
+#include "apps/common/option_table.h"
 #include "apps/experiment/options.h"
 #include "control/mpc_options.h"
 #include "mle/correction/selection.h"
@@ -219,6 +220,49 @@ ProcessModel ChannelsOf(const RandomPlants& plants);
 // Checks before anything is run that the options of every model, controller and
 // windows fit together.
 absl::Status CheckScenarios(const Campaign& campaign);
+
+// The options of the experiment: flags of mle_reproduce and keys of campaigns
+// (docs/formats.md), which are called the same. The fields must outlive the
+// options.
+
+// Sample time, order, response horizon and scaling.
+std::vector<Option> OptionsOf(ExperimentOptions& settings);
+// Duration, penalty and noise variance of the conversion.
+std::vector<Option> ConversionOptionsOf(ExperimentOptions& settings);
+std::vector<Option> OptionsOf(WindowSpec& windows);
+std::vector<Option> OptionsOf(SelectionSpec& selection);
+std::vector<Option> OptionsOf(RandomPlants& plants);
+std::vector<Option> OptionsOf(Change& change);
+
+// `count` ≥ 1 seeds from `first` on: --seeds and --first_seed.
+absl::StatusOr<std::vector<std::uint64_t>> ConsecutiveSeeds(std::uint64_t first,
+                                                            int count);
+
+// A rule for λ, or a solver, and its name.
+TextValue RuleOf(SelectionSpec* selection);
+TextValue SolverOf(SolverSpec* solver);
+
+// The options with `prefix` before their names.
+std::vector<Option> Prefixed(const std::string& prefix,
+                             std::vector<Option> options);
+
+// The plants of a campaign: models drawn at random, and models that have aged.
+
+// The plant of a seed: the first draw that is within the bounds for every
+// controller. FailedPrecondition if there is none among a thousand.
+absl::StatusOr<ProcessModel> DrawModel(
+    const RandomPlants& plants, std::uint64_t seed,
+    const std::vector<ControllerSpec>& controllers);
+
+// Whether the changes are possible for every draw: the elements are there, and
+// no dead time can fall below zero.
+absl::Status CheckAgeing(const ProcessModel& model, const Mismatch& mismatch);
+
+// The plant under a mismatch; what is drawn belongs to the seed.
+// InvalidArgument where a change is not possible.
+absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
+                                      const Mismatch& mismatch,
+                                      std::uint64_t seed);
 
 }  // namespace mle::experiment
 

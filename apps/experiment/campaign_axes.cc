@@ -2,11 +2,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/common/controller_options.h"
 #include "apps/common/option_json.h"
-#include "apps/experiment/campaign_parts.h"
-#include "apps/experiment/experiment_options.h"
-#include "apps/experiment/plants.h"
+#include "apps/common/shared_options.h"
+#include "apps/experiment/campaign.h"
+#include "apps/experiment/campaign_json.h"
 #include "mle/base/status.h"
 #include "sim/effects_json.h"
 
@@ -19,10 +18,7 @@ constexpr std::int64_t kMaxSeed = 9'007'199'254'740'991;
 
 // A process model that ResolveCampaign() read in.
 absl::StatusOr<ProcessModel> ParseModel(const JsonNode& node) {
-  absl::StatusOr<ProcessModel> model =
-      ParseProcessModel(node.json().dump(), "process model");
-  if (model.ok()) return model;
-  return node.Fault(std::string(model.status().message()));
+  return node.Check(ParseProcessModel(node.json().dump(), "process model"));
 }
 
 absl::StatusOr<Change> ParseChange(const JsonNode& node) {
@@ -45,18 +41,18 @@ absl::Status CheckMismatch(const JsonNode& node, const Mismatch& mismatch,
     if (mismatch.plant.has_value()) {
       const absl::Status same =
           spec.random.has_value()
-              ? absl::InvalidArgumentError(absl::StrCat(
+              ? InvalidArgument(
                     "is a plant of its own, but the plants of the model '",
-                    spec.name, "' are drawn: give changes instead"))
+                    spec.name, "' are drawn: give changes instead")
               : CheckSameChannels(spec.model,
                                   absl::StrCat("model '", spec.name, "'"),
                                   *mismatch.plant, "the plant");
-      if (!same.ok()) return node.Fault(std::string(same.message()));
+      MLE_RETURN_IF_ERROR(node.Check(same));
     } else if (!spec.random.has_value()) {
       const absl::Status possible = CheckAgeing(spec.model, mismatch);
       if (!possible.ok()) {
-        return node.Fault(absl::StrCat("model '", spec.name,
-                                       "': ", std::string(possible.message())));
+        return node.Fault("model '", spec.name,
+                          "': ", std::string(possible.message()));
       }
     }
   }
@@ -104,8 +100,8 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
 absl::Status CheckNewName(const JsonNode& node, const std::string& name,
                           std::set<std::string>& names) {
   if (names.insert(name).second) return absl::OkStatus();
-  return node.Fault(absl::StrCat("the name '", name,
-                                 "' is duplicated; every entry needs its own"));
+  return node.Fault("the name '", name,
+                    "' is duplicated; every entry needs its own");
 }
 
 absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
@@ -137,16 +133,16 @@ absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node) {
     return seeds;
   }
   if (!node.json().is_array()) {
-    return node.Fault(absl::StrCat(
+    return node.Fault(
         "must be a list of seeds or {\"first\": …, \"count\": …}, is ",
-        node.Found()));
+        node.Found());
   }
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
   std::set<std::int64_t> seen;
   for (const JsonNode& element : elements) {
     MLE_ASSIGN_OR_RETURN(const std::int64_t seed, element.Integer(0, kMaxSeed));
     if (!seen.insert(seed).second) {
-      return element.Fault(absl::StrCat("the seed ", seed, " is duplicated"));
+      return element.Fault("the seed ", seed, " is duplicated");
     }
     seeds.push_back(static_cast<std::uint64_t>(seed));
   }
@@ -165,10 +161,8 @@ absl::Status ParseModelSpec(const JsonNode& node, ModelSpec& spec) {
                            OptionsOf(spec.random.emplace()));
   }
   MLE_ASSIGN_OR_RETURN(spec.model, ParseModel(node.At("model")));
-  const absl::Status integrating = CheckNotIntegrating(
-      spec.model, "campaigns are those of elements that settle");
-  return integrating.ok() ? integrating
-                          : node.Fault(std::string(integrating.message()));
+  return node.Check(CheckNotIntegrating(
+      spec.model, "campaigns are those of elements that settle"));
 }
 
 absl::StatusOr<std::vector<Mismatch>> ParseMismatches(
@@ -221,8 +215,8 @@ absl::Status ParseWindow(const JsonNode& node, WindowSpec& spec) {
   if (spec.longest_outlier > 1 &&
       spec.longest_outlier < WindowSpec::kShortestBurst) {
     return node.At("longest_outlier")
-        .Fault(absl::StrCat("must be 1, or at least ",
-                            WindowSpec::kShortestBurst, " for bursts"));
+        .Fault("must be 1, or at least ", WindowSpec::kShortestBurst,
+               " for bursts");
   }
   if (spec.changes == 0) {
     if (!node.Has("spacing")) return absl::OkStatus();

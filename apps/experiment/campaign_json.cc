@@ -3,16 +3,12 @@
 #include <cmath>
 #include <functional>
 #include <set>
-#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
 #include "apps/common/option_json.h"
-#include "apps/experiment/campaign.h"
-#include "apps/experiment/campaign_parts.h"
-#include "apps/experiment/experiment_options.h"
 #include "apps/experiment/grid.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -58,12 +54,9 @@ absl::Status ReadIn(const JsonNode& node, const std::string& key,
   MLE_ASSIGN_OR_RETURN(std::string path, node.At(key).Text());
   const bool relative = path.rfind('/', 0) != 0;
   if (relative && !folder.empty()) path = absl::StrCat(folder, "/", path);
-  absl::StatusOr<ParsedJson> content = read(path);
-  if (!content.ok()) {
-    return node.At(key).Fault(std::string(content.status().message()));
-  }
+  MLE_ASSIGN_OR_RETURN(ParsedJson content, node.At(key).Check(read(path)));
   entry.erase(key);
-  entry[new_key] = *std::move(content);
+  entry[new_key] = std::move(content);
   return absl::OkStatus();
 }
 
@@ -83,8 +76,8 @@ absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
     if (!entries[i].json().is_object() || !entries[i].Has(key)) continue;
     if (key == new_key && !entries[i].At(key).json().is_string()) continue;
     if (key != new_key && entries[i].Has(new_key)) {
-      return entries[i].Fault(absl::StrCat("has ", key, " and ", new_key,
-                                           "; only one is possible"));
+      return entries[i].Fault("has ", key, " and ", new_key,
+                              "; only one is possible");
     }
     MLE_RETURN_IF_ERROR(
         ReadIn(entries[i], key, new_key, folder, read, resolved[list][i]));
@@ -116,7 +109,7 @@ absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
 }
 
 absl::Status Unknown(const JsonNode& node, absl::string_view known) {
-  return node.Fault(absl::StrCat("is ", node.Found(), "; ", known));
+  return node.Fault("is ", node.Found(), "; ", known);
 }
 
 // A name from a table, into the field that `value` binds.
@@ -151,8 +144,8 @@ absl::Status ParseSolver(const JsonNode& node, const Campaign& campaign,
   spec.options.solver = LassoSolver::kElasticNet;
   if (campaign.settings.correction.lambdas(0) > 0.0) return absl::OkStatus();
   return node.Fault(
-      "the elastic net needs λ above 0, but the first value of lambda_grid "
-      "is 0: give min, max and count");
+      "the elastic net needs λ above 0, but the first value of lambda_grid is "
+      "0: give min, max and count");
 }
 
 absl::StatusOr<Method> ParseEstimator(const JsonNode& node) {
@@ -191,9 +184,7 @@ absl::StatusOr<Eigen::VectorXd> ParseLambdaGrid(const JsonNode& node) {
     MLE_RETURN_IF_ERROR(node.CheckKeys({"max", "step"}, {}));
     MLE_ASSIGN_OR_RETURN(const double max, node.At("max").Number(kPositive));
     MLE_ASSIGN_OR_RETURN(const double step, node.At("step").Number(kPositive));
-    absl::StatusOr<Eigen::VectorXd> grid = MakeLambdaGrid(max, step);
-    if (grid.ok()) return grid;
-    return node.Fault(std::string(grid.status().message()));
+    return node.Check(MakeLambdaGrid(max, step));
   }
   MLE_RETURN_IF_ERROR(node.CheckKeys({"min", "max", "count"}, {}));
   MLE_ASSIGN_OR_RETURN(const double min, node.At("min").Number(kPositive));
@@ -260,7 +251,7 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
   MLE_ASSIGN_OR_RETURN(const ParsedJson json, ParseStrictJson(text, source));
   const JsonNode node(json, source);
   if (!json.is_object()) {
-    return node.Fault(absl::StrCat("must be an object, is ", node.Found()));
+    return node.Fault("must be an object, is ", node.Found());
   }
   ParsedJson resolved = json;
   MLE_RETURN_IF_ERROR(ReadInList(node, "models", "file", "model", folder,

@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <random>
-#include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/experiment/options.h"
-#include "apps/experiment/plants.h"
-#include "apps/experiment/records.h"
+#include "apps/experiment/campaign.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_reconstruction.h"

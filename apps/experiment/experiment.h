@@ -15,13 +15,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "apps/experiment/campaign.h"
 #include "apps/experiment/options.h"
+#include "control/mpc.h"
 #include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
 #include "mle/correction/judgement.h"
@@ -31,8 +31,35 @@
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
+#include "sim/set_point_profile.h"
 
 namespace mle::experiment {
+
+// The records of one run: what the initial model is converted from, and what
+// the closed loop leaves around its set-point changes.
+
+// R for one seed.
+absl::StatusOr<ConversionSummary> ConvertInitialModel(
+    const ProcessModel& initial, std::uint64_t seed,
+    const ExperimentOptions& options);
+
+// The set points of the run in which that of `output` steps (WindowSpec without
+// `changes`).
+sim::SetPointProfile StepOf(int output, const WindowSpec& windows);
+
+// The plant under `mpc`, for the duration of a run, with options.effects beside
+// the conditions. Noise is that of the seed's `stream`, of this variance.
+absl::StatusOr<Record> SimulateLoop(control::Mpc mpc, const ProcessModel& plant,
+                                    const sim::SetPointProfile& set_points,
+                                    double noise_variance, std::uint64_t seed,
+                                    std::uint64_t stream,
+                                    const sim::PlantConditions& conditions,
+                                    const ExperimentOptions& options);
+
+// The records of the closed loop, a window for each set-point change.
+absl::StatusOr<std::vector<Record>> SimulateWindows(
+    const ProcessModel& initial, const ProcessModel& plant, std::uint64_t seed,
+    const ExperimentOptions& options);
 
 // R of the initial model, for all scenarios of a unit (grid.h): not every
 // estimator needs it.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -100,12 +99,12 @@ const std::vector<double>* Shown(const Cell& cell, Metric metric) {
 
 NamedFigure DistributionFigure(const Campaign& campaign,
                                const std::vector<Group>& groups) {
-  NamedFigure named;
-  named.name = "distribution";
-  named.caption =
-      "Squared distance E of the estimated model from the plant: share of the "
-      "seeds whose E is at most that on the axis. The vertical line is the "
-      "initial model (median).";
+  NamedFigure named{
+      .name = "distribution",
+      .caption =
+          "Squared distance E of the estimated model from the plant: share of "
+          "the seeds whose E is at most that on the axis. The vertical line is "
+          "the initial model (median)."};
   for (const Group& group : groups) {
     Panel panel;
     panel.title = group.title;
@@ -247,9 +246,7 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
   for (NamedFigure& figure :
        std::vector<NamedFigure>{SweepFigure(campaign, summary),
                                 DistributionFigure(campaign, groups)}) {
-    if (figure.figure.panels.empty()) continue;
-    figure.alt = figure.caption;
-    figures.push_back(std::move(figure));
+    if (!figure.figure.panels.empty()) figures.push_back(std::move(figure));
   }
   return figures;
 }

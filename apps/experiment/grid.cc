@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <sstream>
-#include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -120,8 +119,8 @@ absl::StatusOr<double> ParseNumber(const std::string& field,
   if (field.empty()) return std::numeric_limits<double>::quiet_NaN();
   double value = 0.0;
   if (!absl::SimpleAtod(field, &value) || std::isnan(value)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "column ", column, " holds '", field, "', which is not a number"));
+    return InvalidArgument("column ", column, " holds '", field,
+                           "', which is not a number");
   }
   return value;
 }
@@ -208,8 +207,7 @@ absl::StatusOr<Row> ParseRow(std::string_view line) {
   }
   Row row;
   if (!absl::SimpleAtoi(fields[0], &row.run) || row.run < 0) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("'", fields[0], "' is not a number of a run"));
+    return InvalidArgument("'", fields[0], "' is not a number of a run");
   }
   for (int i = 0; i < kNumMetrics; ++i) {
     MLE_ASSIGN_OR_RETURN(row.values[i],

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/experiment/report.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 
 namespace mle::experiment {
 namespace {

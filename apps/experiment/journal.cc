@@ -1,12 +1,9 @@
-#include "apps/experiment/journal.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -14,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/sha256.h"
+#include "apps/experiment/run_folder.h"
 #include "mle/base/status.h"
 
 namespace mle::experiment {
@@ -30,8 +28,7 @@ absl::Status FileError(const std::string& path, const char* what) {
 
 absl::Status BadLine(const std::string& path, std::int64_t number,
                      std::string_view what) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ":", number, ": ", std::string(what)));
+  return InvalidArgument(path, ":", number, ": ", std::string(what));
 }
 
 std::string ColumnsOf(const JournalHead& head) {
@@ -70,10 +67,9 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
   struct stat there = {};
   const bool exists = stat(path.c_str(), &there) == 0 && there.st_size > 0;
   if (exists && !resume) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path,
-                     ": there is a campaign in this folder already: resume it "
-                     "with --resume, or use another folder"));
+    return InvalidArgument(path,
+                           ": there is a campaign in this folder already: "
+                           "resume it with --resume, or use another folder");
   }
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) return FileError(path, "cannot be opened");
@@ -105,11 +101,10 @@ absl::Status Journal::TakeLine(const JournalHead& head, std::string_view line,
     return absl::OkStatus();
   }
   if (IsDone(*run)) {
-    return BadLine(
-        path_, number,
-        absl::StrCat("run ", *run,
-                     " is duplicated; remove the line that is wrong, "
-                     "or both for it to be run again"));
+    return BadLine(path_, number,
+                   absl::StrCat("run ", *run,
+                                " is duplicated; remove the line that is "
+                                "wrong, or both for it to be run again"));
   }
   offsets_[*run] = begin;
   ++num_done_;

@@ -79,9 +79,9 @@ struct ExperimentOptions {
 
   double response_horizon = 100.0;  // N Δt
 
-  // Checks what must hold between values that are in their ranges
-  // (experiment_options.h); the rest is checked on the way. Errors name the
-  // flags of mle_reproduce; a campaign's keys are called the same.
+  // Checks what must hold between values that are in their ranges (OptionsOf()
+  // in campaign.h); the rest is checked on the way. Errors name the flags of
+  // mle_reproduce; a campaign's keys are called the same.
   absl::Status Validate(const ProcessModel& initial) const;
 
   int response_samples() const;  // N + 1

@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "apps/experiment/report.h"
 #include "apps/report/drawing.h"
-#include "apps/report/number.h"
 #include "apps/report/table.h"
+#include "apps/report/text.h"
 #include "mle/base/file.h"
 
 namespace mle::experiment {
@@ -61,18 +61,21 @@ void AddFigures(const Figures& figures, HtmlPage& page) {
   AddFigure(figures, "distribution", page);
 }
 
+void AddFolded(const char* title, const report::Table& table, HtmlPage& page) {
+  page.OpenFold(title);
+  page.AddTable(table);
+  page.CloseFold();
+}
+
 void AddDetails(const Campaign& campaign, const StudySummary& summary,
                 HtmlPage& page) {
   const Rows rows = {0, kRowsFolded};
-  page.OpenFold("Means and extremes of E");
-  page.AddTable(MeanTable(campaign, summary, rows));
-  page.CloseFold();
-  page.OpenFold("Gains and dead times");
-  page.AddTable(ElementTable(campaign, summary, rows));
-  page.CloseFold();
-  page.OpenFold("λ chosen, and the best in hindsight");
-  page.AddTable(LambdaTable(campaign, summary, rows));
-  page.CloseFold();
+  AddFolded("Means and extremes of E", MeanTable(campaign, summary, rows),
+            page);
+  AddFolded("Gains and dead times", ElementTable(campaign, summary, rows),
+            page);
+  AddFolded("λ chosen, and the best in hindsight",
+            LambdaTable(campaign, summary, rows), page);
   page.OpenFold("Failures and certificate");
   if (summary.failures.empty()) {
     page.AddParagraph("No run failed.");
@@ -104,16 +107,12 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
   AddFigures(figures, page);
   page.AddHeading("In detail");
   AddDetails(campaign, summary, page);
-  page.OpenFold("Files");
-  page.AddFiles({{"runs.csv: every run", "runs.csv"},
-                 {"summary.csv: every cell and metric", "summary.csv"},
-                 {"summary.json: the same", "summary.json"},
-                 {"timings.csv: times of the runs", "timings.csv"},
-                 {"campaign.json: the campaign", "campaign.json"}});
-  page.CloseFold();
-  page.OpenFold("Run it again");
-  page.AddRunAgain(run_again);
-  page.CloseFold();
+  page.AddLastFolds({{"runs.csv: every run", "runs.csv"},
+                     {"summary.csv: every cell and metric", "summary.csv"},
+                     {"summary.json: the same", "summary.json"},
+                     {"timings.csv: times of the runs", "timings.csv"},
+                     {"campaign.json: the campaign", "campaign.json"}},
+                    run_again);
   return page.Render();
 }
 
@@ -126,15 +125,15 @@ constexpr std::size_t kRowsPrinted = 40;
 absl::Status WriteOutputs(const std::string& folder, bool figures,
                           const Campaign& campaign, const StudySummary& summary,
                           const report::RunAgain& run_again) {
-  std::vector<report::DrawnFigure> drawn;
-  if (figures) drawn = report::DrawFigures(MakeFigures(campaign, summary), 0);
-  std::vector<std::pair<std::string, std::string>> files;
-  const std::vector<std::string> missing = report::AddPictures(drawn, files);
-  files.emplace_back("summary.csv", SummaryCsv(summary, campaign));
-  files.emplace_back("summary.json", SummaryJson(summary, campaign));
-  files.emplace_back("report.html",
-                     FormatPage(campaign, summary, drawn, run_again));
-  return WriteFilesTogether(folder, files, missing);
+  std::vector<report::NamedFigure> made;
+  if (figures) made = MakeFigures(campaign, summary);
+  return report::WriteReport(folder, std::move(made), 0,
+                             {{"summary.csv", SummaryCsv(summary, campaign)},
+                              {"summary.json", SummaryJson(summary, campaign)}},
+                             [&](const Figures& drawn) {
+                               return FormatPage(campaign, summary, drawn,
+                                                 run_again);
+                             });
 }
 
 void PrintSummary(const Campaign& campaign, const StudySummary& summary) {
@@ -145,11 +144,7 @@ void PrintSummary(const Campaign& campaign, const StudySummary& summary) {
     std::cout << "… and " << summary.cells.size() - kRowsPrinted
               << " more cells, in summary.csv\n\n";
   }
-  const report::Verdict verdict = VerdictOf(campaign, summary);
-  std::cout << verdict.headline << ".\n";
-  for (const std::string& sentence : verdict.sentences) {
-    std::cout << sentence << "\n";
-  }
+  std::cout << VerdictOf(campaign, summary).Text();
 }
 
 }  // namespace mle::experiment

@@ -1,14 +1,10 @@
-#include "apps/experiment/plants.h"
-
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <utility>
 
 #include "Eigen/Core"
 #include "Eigen/SVD"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/experiment/campaign.h"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
@@ -21,11 +17,6 @@ namespace mle::experiment {
 namespace {
 
 constexpr int kMaxDraws = 1000;
-
-struct Pair {
-  int output = 0;
-  int input = 0;
-};
 
 double Uniform(const Interval& interval, std::mt19937_64& engine) {
   return interval.from + (interval.to - interval.from) * DrawUniform(engine);
@@ -75,32 +66,30 @@ absl::StatusOr<bool> IsControlled(const ProcessModel& model,
   return loop.stable && loop.sensitivity_peak <= max_sensitivity;
 }
 
-std::vector<Pair> MatchingElements(const ProcessModel& model,
-                                   const Change& change) {
-  std::vector<Pair> pairs;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const bool matches =
-          (change.output == "*" || change.output == model.outputs()[i].name) &&
-          (change.input == "*" || change.input == model.inputs()[j].name);
-      if (matches && !model.element(i, j).IsZero()) pairs.push_back({i, j});
-    }
+std::vector<PairPlace> MatchingElements(const ProcessModel& model,
+                                        const Change& change) {
+  std::vector<PairPlace> pairs;
+  for (const auto& [i, j] : Pairs(model)) {
+    const bool matches =
+        (change.output == "*" || change.output == model.outputs()[i].name) &&
+        (change.input == "*" || change.input == model.inputs()[j].name);
+    if (matches && !model.element(i, j).IsZero()) pairs.push_back({i, j});
   }
   return pairs;
 }
 
 absl::Status CheckChange(const ProcessModel& model, const Change& change,
                          double size) {
-  const std::vector<Pair> pairs = MatchingElements(model, change);
+  const std::vector<PairPlace> pairs = MatchingElements(model, change);
   if (pairs.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("a change of output '", change.output, "' and input '",
-                     change.input, "' matches no element that is not zero"));
+    return InvalidArgument("a change of output '", change.output,
+                           "' and input '", change.input,
+                           "' matches no element that is not zero");
   }
   if (change.elements > static_cast<int>(pairs.size())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("a change of ", change.elements, " elements matches only ",
-                     pairs.size(), " that are not zero"));
+    return InvalidArgument("a change of ", change.elements,
+                           " elements matches only ", pairs.size(),
+                           " that are not zero");
   }
   const double shift =
       std::min(size * change.delay_shift.from, size * change.delay_shift.to);
@@ -115,14 +104,15 @@ absl::Status CheckChange(const ProcessModel& model, const Change& change,
 }
 
 // Those of a change that are to be changed, in the order of the model.
-std::vector<Pair> DrawElements(const ProcessModel& model, const Change& change,
-                               std::mt19937_64& engine) {
-  std::vector<Pair> pairs = MatchingElements(model, change);
+std::vector<PairPlace> DrawElements(const ProcessModel& model,
+                                    const Change& change,
+                                    std::mt19937_64& engine) {
+  std::vector<PairPlace> pairs = MatchingElements(model, change);
   if (change.elements == 0) return pairs;
-  std::vector<Pair> drawn;
+  std::vector<PairPlace> drawn;
   auto left = static_cast<double>(pairs.size());
   int wanted = change.elements;
-  for (const Pair& pair : pairs) {
+  for (const PairPlace& pair : pairs) {
     if (DrawUniform(engine) * left < wanted) {
       drawn.push_back(pair);
       --wanted;

@@ -1,8 +1,7 @@
-#include "apps/experiment/records.h"
-
 #include <cmath>
 #include <utility>
 
+#include "apps/experiment/experiment.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/correction/excitation.h"

@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "apps/experiment/campaign_json.h"
-#include "apps/experiment/grid.h"
 #include "apps/experiment/summary.h"
 #include "apps/report/drawing.h"
 #include "apps/report/html.h"

@@ -3,7 +3,6 @@
 #include <sched.h>
 
 #include <algorithm>
-#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <iostream>
@@ -13,7 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/stop_signal.h"
+#include "apps/common/process_faults.h"
 #include "mle/base/status.h"
 
 namespace mle::experiment {
@@ -127,11 +126,8 @@ absl::Status RunFolder::TakeParts(const Work& work) {
     parts.insert(entry.path().string());
   }
   for (const std::string& path : parts) {
-    const absl::StatusOr<FolderLock> lock = FolderLock::Take(path);
-    if (!lock.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--out: ", lock.status().message()));
-    }
+    MLE_ASSIGN_OR_RETURN(const FolderLock lock,
+                         AboutOption("out", FolderLock::Take(path)));
     MLE_ASSIGN_OR_RETURN(const std::unique_ptr<Journal> part,
                          Journal::Open(absl::StrCat(path, "/", work.file),
                                        work.head, /*resume=*/true));

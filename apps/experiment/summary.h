@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/distribution.h"
 #include "apps/experiment/grid.h"
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/experiment/report.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 
 namespace mle::experiment {
 namespace {
@@ -23,34 +24,51 @@ std::string Percent(double share) {
 
 // "8.1 [7.6, 8.7]".
 std::string MeanText(const Distribution& metric) {
-  if (metric.count == 0) return "–";
   if (metric.count == 1) return FormatSignificant(metric.mean);
   return absl::StrCat(FormatSignificant(metric.mean), " [",
                       FormatSignificant(metric.mean_low), ", ",
                       FormatSignificant(metric.mean_high), "]");
 }
 
-std::string MedianText(const Distribution& metric) {
-  return metric.count == 0 ? "–" : FormatSignificant(metric.median());
+// A column of a table of cells.
+struct CellColumn {
+  const char* header;
+  std::function<std::string(const Cell&)> text;
+};
+
+// Of a metric, where a run has it.
+template <typename Text>
+CellColumn ColumnOf(const char* header, Metric metric, const Text& text) {
+  return {header, [=](const Cell& cell) {
+            const Distribution& values = cell[metric];
+            return values.count == 0 ? std::string("–") : text(values);
+          }};
 }
 
-std::string SpanText(const Distribution& metric) {
-  if (metric.count == 0) return "–";
-  return absl::StrCat(FormatSignificant(metric.quantiles.front()), " … ",
-                      FormatSignificant(metric.quantiles.back()));
+CellColumn MedianColumn(const char* header, Metric metric) {
+  return ColumnOf(header, metric, [](const Distribution& values) {
+    return FormatSignificant(values.median());
+  });
+}
+
+CellColumn SpanColumn(Metric metric) {
+  return ColumnOf("5 … 95 %", metric, [](const Distribution& values) {
+    return absl::StrCat(FormatSignificant(values.quantiles.front()), " … ",
+                        FormatSignificant(values.quantiles.back()));
+  });
 }
 
 // Rows first … first + most − 1 of the cells; a column of methods where there
 // are several.
 report::Table CellTable(const Campaign& campaign, const StudySummary& summary,
-                        std::vector<report::Column> columns, Rows rows,
-                        std::vector<std::string> (*values)(const Cell&)) {
+                        Rows rows, const char* caption,
+                        const std::vector<CellColumn>& columns) {
   const bool several = campaign.methods.size() > 1;
-  report::Table table;
-  table.columns = {{"scenario", report::Align::kLeft}};
+  report::Table table{.caption = caption,
+                      .columns = {{"scenario", report::Align::kLeft}}};
   if (several) table.columns.push_back({"method", report::Align::kLeft});
-  for (report::Column& column : columns) {
-    table.columns.push_back(std::move(column));
+  for (const CellColumn& column : columns) {
+    table.columns.push_back({column.header});
   }
   const std::size_t end =
       std::min(rows.first + rows.most, summary.cells.size());
@@ -60,7 +78,7 @@ report::Table CellTable(const Campaign& campaign, const StudySummary& summary,
     if (several) {
       row.push_back(MethodLabel(campaign, campaign.methods[cell.at.method]));
     }
-    for (std::string& value : values(cell)) row.push_back(std::move(value));
+    for (const CellColumn& column : columns) row.push_back(column.text(cell));
     table.AddRow(std::move(row));
   }
   return table;
@@ -70,19 +88,18 @@ report::Table CellTable(const Campaign& campaign, const StudySummary& summary,
 
 report::Table MethodTable(const Campaign& campaign,
                           const StudySummary& summary) {
-  report::Table table;
-  table.caption =
-      "Methods over all scenarios. Left: E after over E before, medians over "
-      "the seeds";
-  table.columns = {{"method", report::Align::kLeft},
-                   {"scenarios"},
-                   {"closer"},
-                   {"unchanged"},
-                   {"farther"},
-                   {"closest of all"},
-                   {"left of E"},
-                   {"worst scenario"},
-                   {"runs harmed"}};
+  report::Table table{.caption =
+                          "Methods over all scenarios. Left: E after over E "
+                          "before, medians over the seeds",
+                      .columns = {{"method", report::Align::kLeft},
+                                  {"scenarios"},
+                                  {"closer"},
+                                  {"unchanged"},
+                                  {"farther"},
+                                  {"closest of all"},
+                                  {"left of E"},
+                                  {"worst scenario"},
+                                  {"runs harmed"}}};
   for (const MethodTally& tally : TallyMethods(campaign, summary)) {
     const double share =
         tally.runs > 0 ? tally.harmed / static_cast<double>(tally.runs) : NAN;
@@ -98,106 +115,80 @@ report::Table MethodTable(const Campaign& campaign,
 
 report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
                          Rows rows) {
-  report::Table table = CellTable(
-      campaign, summary,
-      {{"runs"},
-       {"E before"},
-       {"E"},
-       {"5 … 95 %"},
-       {"E at best λ"},
-       {"harmed"}},
-      rows, [](const Cell& cell) -> std::vector<std::string> {
-        const Distribution& E = cell[Metric::kE];
-        return {cell.failed == 0
-                    ? FormatInteger(cell.runs)
-                    : absl::StrCat(cell.runs, ", ", cell.failed, " failed"),
-                MedianText(cell[Metric::kInitialE]),
-                MedianText(E),
-                SpanText(E),
-                MedianText(cell[Metric::kBestE]),
-                Percent(cell.harmed)};
-      });
-  table.caption =
+  return CellTable(
+      campaign, summary, rows,
       "Squared distance E, medians over the seeds; harmed: runs with E above "
-      "that of the initial model";
-  return table;
+      "that of the initial model",
+      {{"runs",
+        [](const Cell& cell) {
+          return cell.failed == 0
+                     ? FormatInteger(cell.runs)
+                     : absl::StrCat(cell.runs, ", ", cell.failed, " failed");
+        }},
+       MedianColumn("E before", Metric::kInitialE),
+       MedianColumn("E", Metric::kE),
+       SpanColumn(Metric::kE),
+       MedianColumn("E at best λ", Metric::kBestE),
+       {"harmed", [](const Cell& cell) { return Percent(cell.harmed); }}});
 }
 
 report::Table MeanTable(const Campaign& campaign, const StudySummary& summary,
                         Rows rows) {
-  report::Table table = CellTable(
-      campaign, summary, {{"mean"}, {"smallest"}, {"largest"}}, rows,
-      [](const Cell& cell) -> std::vector<std::string> {
-        const Distribution& E = cell[Metric::kE];
-        return {MeanText(E), E.count == 0 ? "–" : FormatSignificant(E.min),
-                E.count == 0 ? "–" : FormatSignificant(E.max)};
-      });
-  table.caption =
+  return CellTable(
+      campaign, summary, rows,
       "Squared distance E: means, with 95 % intervals by the bootstrap over "
-      "the seeds, and extremes";
-  return table;
+      "the seeds, and extremes",
+      {ColumnOf("mean", Metric::kE, MeanText),
+       ColumnOf("smallest", Metric::kE,
+                [](const auto& E) { return FormatSignificant(E.min); }),
+       ColumnOf("largest", Metric::kE,
+                [](const auto& E) { return FormatSignificant(E.max); })});
 }
 
 report::Table LambdaTable(const Campaign& campaign, const StudySummary& summary,
                           Rows rows) {
-  report::Table table = CellTable(
-      campaign, summary,
-      {{"best λ"},
-       {"5 … 95 %"},
-       {"λ chosen"},
-       {"5 … 95 %"},
-       {"E / E at best λ"},
-       {"95 %; largest"},
-       {"above 2"}},
-      rows, [](const Cell& cell) -> std::vector<std::string> {
-        const Distribution& ratio = cell[Metric::kRatio];
-        return {MedianText(cell[Metric::kBestLambda]),
-                SpanText(cell[Metric::kBestLambda]),
-                MedianText(cell[Metric::kLambdaMin]),
-                SpanText(cell[Metric::kLambdaMin]),
-                MedianText(ratio),
-                ratio.count == 0
-                    ? "–"
-                    : absl::StrCat(FormatSignificant(ratio.quantiles.back()),
-                                   "; ", FormatSignificant(ratio.max)),
-                Percent(cell.above_twice_best)};
-      });
-  table.caption = "λ over the seeds: medians, unless said";
-  return table;
+  return CellTable(
+      campaign, summary, rows, "λ over the seeds: medians, unless said",
+      {MedianColumn("best λ", Metric::kBestLambda),
+       SpanColumn(Metric::kBestLambda),
+       MedianColumn("λ chosen", Metric::kLambdaMin),
+       SpanColumn(Metric::kLambdaMin),
+       MedianColumn("E / E at best λ", Metric::kRatio),
+       ColumnOf("95 %; largest", Metric::kRatio,
+                [](const auto& ratio) {
+                  return absl::StrCat(FormatSignificant(ratio.quantiles.back()),
+                                      "; ", FormatSignificant(ratio.max));
+                }),
+       {"above 2",
+        [](const Cell& cell) { return Percent(cell.above_twice_best); }}});
 }
 
 report::Table ElementTable(const Campaign& campaign,
                            const StudySummary& summary, Rows rows) {
-  report::Table table = CellTable(
-      campaign, summary,
-      {{"gain error"},
-       {"95 %"},
-       {"dead-time error"},
-       {"95 %"},
-       {"change proposed"}},
-      rows, [](const Cell& cell) -> std::vector<std::string> {
-        const Distribution& gain = cell[Metric::kGainErrorRms];
-        const Distribution& delay = cell[Metric::kDelayErrorRms];
-        return {
-            gain.count == 0 ? "–" : Percent(gain.median()),
-            gain.count == 0 ? "–" : Percent(gain.quantiles.back()),
-            MedianText(delay),
-            delay.count == 0 ? "–" : FormatSignificant(delay.quantiles.back()),
-            cell[Metric::kProposed].count == 0
-                ? "–"
-                : Percent(cell[Metric::kProposed].mean)};
-      });
-  table.caption =
+  const auto gain_column = [](const char* header, int quantile) {
+    return ColumnOf(header, Metric::kGainErrorRms, [=](const auto& gain) {
+      return Percent(gain.quantiles[quantile]);
+    });
+  };
+  return CellTable(
+      campaign, summary, rows,
       "Errors of first-order fits, RMS over the elements, gains relative to "
-      "the plant's: medians over the seeds, unless said";
-  return table;
+      "the plant's: medians over the seeds, unless said",
+      {gain_column("gain error", 2), gain_column("95 %", 4),
+       MedianColumn("dead-time error", Metric::kDelayErrorRms),
+       ColumnOf("95 %", Metric::kDelayErrorRms,
+                [](const auto& delay) {
+                  return FormatSignificant(delay.quantiles.back());
+                }),
+       ColumnOf("change proposed", Metric::kProposed,
+                [](const auto& proposed) { return Percent(proposed.mean); })});
 }
 
 report::Table FailureTable(const StudySummary& summary) {
-  report::Table table;
-  table.caption = "Runs that failed";
-  table.columns = {{"why (# stands for a number)", report::Align::kLeft},
-                   {"runs"}};
+  report::Table table{
+      .caption = "Runs that failed",
+      .columns = {{"why (# stands for a number)", report::Align::kLeft},
+                  {"runs"}}};
   for (const auto& [kind, count] : summary.failures) {
     table.AddRow({kind, FormatInteger(count)});
   }

@@ -1,5 +1,3 @@
-#include "apps/experiment/unit.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,8 +6,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/experiment/experiment.h"
-#include "apps/experiment/plants.h"
+#include "apps/experiment/campaign.h"
+#include "apps/experiment/study.h"
 #include "mle/model/element_response.h"
 
 namespace mle::experiment {
@@ -32,21 +30,19 @@ void AddElementErrors(const Experiment& experiment, const Judgement& judged,
   double gain_max = 0.0;
   double delay_max = 0.0;
   int count = 0;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      if (plant.element(i, j).IsZero()) continue;
-      const int pair = i * plant.num_inputs() + j;
-      const FopdtFit& wanted = experiment.truth_judged().fopdt[pair];
-      const FopdtFit& found = judged.fopdt[pair];
-      const double gain = (found.gain - wanted.gain) / wanted.gain;
-      const double delay = found.delay - wanted.delay;
-      if (!std::isfinite(gain) || !std::isfinite(delay)) continue;
-      gain_squares += gain * gain;
-      delay_squares += delay * delay;
-      gain_max = std::max(gain_max, std::abs(gain));
-      delay_max = std::max(delay_max, std::abs(delay));
-      ++count;
-    }
+  for (const auto& [i, j] : Pairs(plant)) {
+    if (plant.element(i, j).IsZero()) continue;
+    const int pair = i * plant.num_inputs() + j;
+    const FopdtFit& wanted = experiment.truth_judged().fopdt[pair];
+    const FopdtFit& found = judged.fopdt[pair];
+    const double gain = (found.gain - wanted.gain) / wanted.gain;
+    const double delay = found.delay - wanted.delay;
+    if (!std::isfinite(gain) || !std::isfinite(delay)) continue;
+    gain_squares += gain * gain;
+    delay_squares += delay * delay;
+    gain_max = std::max(gain_max, std::abs(gain));
+    delay_max = std::max(delay_max, std::abs(delay));
+    ++count;
   }
   if (count == 0) return;
   row[Metric::kGainErrorRms] = std::sqrt(gain_squares / count);
@@ -81,24 +77,22 @@ void AddParameters(const Experiment& experiment,
   bool named = true;
   double covered = 0.0;
   double count = 0.0;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      const auto truth = ParametersOf(plant.element(i, j));
-      named = named && output_error.aged(i, j) ==
-                           Differs(initial.element(i, j), plant.element(i, j));
-      const ElementEstimate& element = output_error.full.element(i, j);
-      if (element.state != ElementState::kFitted || !truth.has_value()) {
-        continue;
-      }
-      const std::array<const ParameterEstimate*, 3> estimates = {
-          &element.gain, &element.time_scale, &element.delay};
-      for (std::size_t k = 0; k < estimates.size(); ++k) {
-        const double value = (*truth)[k];
-        covered += estimates[k]->lower <= value && value <= estimates[k]->upper
-                       ? 1.0
-                       : 0.0;
-        count += 1.0;
-      }
+  for (const auto& [i, j] : Pairs(plant)) {
+    const auto truth = ParametersOf(plant.element(i, j));
+    named = named && output_error.aged(i, j) ==
+                         Differs(initial.element(i, j), plant.element(i, j));
+    const ElementEstimate& element = output_error.full.element(i, j);
+    if (element.state != ElementState::kFitted || !truth.has_value()) {
+      continue;
+    }
+    const std::array<const ParameterEstimate*, 3> estimates = {
+        &element.gain, &element.time_scale, &element.delay};
+    for (std::size_t k = 0; k < estimates.size(); ++k) {
+      const double value = (*truth)[k];
+      covered += estimates[k]->lower <= value && value <= estimates[k]->upper
+                     ? 1.0
+                     : 0.0;
+      count += 1.0;
     }
   }
   row[Metric::kNamed] = named ? 1.0 : 0.0;

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/sha256.h"
-#include "apps/experiment/run_folder.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/base/version.h"

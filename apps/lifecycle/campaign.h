@@ -53,7 +53,7 @@ experiment::Work WorkOf(const Campaign& campaign);
 absl::StatusOr<Lives> ReadLives(const Campaign& campaign,
                                 const experiment::RunFolder& folder);
 
-// Lives as lines of a journal (apps/experiment/journal.h), so that an
+// Lives as lines of a journal (apps/experiment/run_folder.h), so that an
 // interrupted run can be resumed: the whole life of one policy, what it was
 // worth in physical terms and no prices, so that other prices need no new
 // simulation.

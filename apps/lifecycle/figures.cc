@@ -148,14 +148,14 @@ std::vector<double> PerfectCosts(const Campaign& campaign,
 NamedFigure TimeFigure(const Campaign& campaign,
                        const std::vector<std::vector<Life>>& lives, double rate,
                        const Valuation& valuation) {
-  NamedFigure named;
-  named.name = "over_time";
-  named.caption = absl::StrCat(
-      "Over the years, seed ", campaign.seeds.front(), ", ageing rate ", rate,
-      ": cost so far above the perfect model, the floor (whole cost where "
-      "that policy is not run), and the squared distance E of "
-      "the model in use from the plant. Step tests may exceed the range "
-      "shown.");
+  NamedFigure named{
+      .name = "over_time",
+      .caption = absl::StrCat(
+          "Over the years, seed ", campaign.seeds.front(), ", ageing rate ",
+          rate,
+          ": cost so far above the perfect model, the floor (whole cost where "
+          "that policy is not run), and the squared distance E of the model in "
+          "use from the plant. Step tests may exceed the range shown.")};
   Figure& figure = named.figure;
   figure.columns = 1;
   figure.width_cm = kWidthCm;
@@ -213,13 +213,13 @@ NamedFigure TimeFigure(const Campaign& campaign,
 
 report::NamedFigure CostFigure(const RateSummary& rate,
                                const std::string& currency) {
-  report::NamedFigure named;
-  named.name = "policy_costs";
-  named.caption = absl::StrCat(
-      "What each policy costs a year above the perfect model, which is the "
-      "floor (the whole cost where that policy is not run), ageing rate ",
-      rate.rate,
-      "; points are means, lines 95 % intervals over the same lives.");
+  report::NamedFigure named{
+      .name = "policy_costs",
+      .caption = absl::StrCat(
+          "What each policy costs a year above the perfect model, which is the "
+          "floor (the whole cost where that policy is not run), ageing rate ",
+          rate.rate,
+          "; points are means, lines 95 % intervals over the same lives.")};
   named.alt = absl::StrCat(named.caption, " The table has the same numbers.");
   Panel& panel = named.figure.AddPanel("");
   panel.x.label = CostLabel(rate, currency);
@@ -257,14 +257,9 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
                                      const std::vector<RateSummary>& summaries,
                                      const Valuation& valuation) {
   const RateSummary& nominal = NominalRate(summaries);
-  std::vector<NamedFigure> figures = {
-      CostFigure(nominal, valuation.currency),
-      TimeFigure(campaign, lives[&nominal - summaries.data()], nominal.rate,
-                 valuation)};
-  for (NamedFigure& figure : figures) {
-    if (figure.alt.empty()) figure.alt = figure.caption;
-  }
-  return figures;
+  return {CostFigure(nominal, valuation.currency),
+          TimeFigure(campaign, lives[&nominal - summaries.data()], nominal.rate,
+                     valuation)};
 }
 
 }  // namespace mle::lifecycle

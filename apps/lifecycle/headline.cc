@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/lifecycle/report.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -153,7 +153,7 @@ std::string AsGood(const RateSummary& rate, std::size_t lives) {
 }
 
 // In words, of a name as --policies has it.
-std::string WordsOf(const RateSummary& rate, const std::string& name) {
+std::string NameInWords(const RateSummary& rate, const std::string& name) {
   const auto named = std::find_if(
       rate.policies.begin(), rate.policies.end(),
       [&](const PolicySummary& p) { return p.policy.name == name; });
@@ -165,8 +165,8 @@ std::string BreakEvenSentence(const RateSummary& rate,
   const BreakEven& found = rate.break_even;
   if (found.test.empty()) return "";
   const std::string rivals =
-      absl::StrCat(" (", WordsOf(rate, found.test), ", against ",
-                   WordsOf(rate, found.correction), ").");
+      absl::StrCat(" (", NameInWords(rate, found.test), ", against ",
+                   NameInWords(rate, found.correction), ").");
   if (found.price < 0.0) {
     return absl::StrCat(
         "Step tests would not pay even if their hours were free", rivals);

@@ -4,12 +4,9 @@
 #include <deque>
 #include <utility>
 
-#include "absl/status/statusor.h"
 #include "control/mpc.h"
 #include "control/mpc_options.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
-#include "mle/model/process_model.h"
 #include "sim/closed_loop.h"
 
 namespace mle::lifecycle {

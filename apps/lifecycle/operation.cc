@@ -1,17 +1,13 @@
-#include "apps/lifecycle/operation.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "Eigen/Core"
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
+#include "apps/lifecycle/life.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "mle/data/sampling.h"
 #include "sim/check_options.h"
-#include "sim/closed_loop.h"
 #include "sim/plant.h"
 #include "sim/plant_model.h"
 
@@ -130,9 +126,9 @@ absl::Status OperationOptions::Validate(const ProcessModel& model) const {
   MLE_RETURN_IF_ERROR(sim::CheckPositive("quiet_stretch", quiet_stretch));
   MLE_RETURN_IF_ERROR(sim::CheckNotNegative("warm_up", warm_up));
   if (before > Lead()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "before = ", before, ", but only quiet_stretch + warm_up = ", Lead(),
-        " are simulated before a change"));
+    return InvalidArgument("before = ", before,
+                           ", but only quiet_stretch + warm_up = ", Lead(),
+                           " are simulated before a change");
   }
   return controller.Validate(model.num_outputs(), model.num_inputs());
 }

@@ -4,10 +4,7 @@
 #include <utility>
 
 #include "absl/strings/numbers.h"
-#include "absl/strings/str_cat.h"
-#include "apps/common/controller_options.h"
-#include "apps/common/correct_options.h"
-#include "apps/common/price_options.h"
+#include "apps/common/shared_options.h"
 #include "apps/lifecycle/request.h"
 #include "mle/base/status.h"
 
@@ -19,25 +16,20 @@ constexpr NumberRange kSeeds = Between(1, 10000);
 constexpr NumberRange kThousand = Between(1, 1000);
 
 TextValue PoliciesOf(Campaign& campaign) {
-  TextValue value;
-  value.text =
-      "never,output_error:1,combined:1,arx:1,test:12,on_demand:0.7,perfect";
-  value.read = [&campaign](const std::string& text, const NumberRange&) {
-    absl::StatusOr<std::vector<Policy>> policies = ParsePolicies(text);
-    if (!policies.ok()) return policies.status();
-    campaign.policies = *std::move(policies);
-    return absl::OkStatus();
-  };
-  return value;
+  return {
+      .text =
+          "never,output_error:1,combined:1,arx:1,test:12,on_demand:0.7,perfect",
+      .read = [&campaign](const std::string& text, const NumberRange&) {
+        MLE_ASSIGN_OR_RETURN(campaign.policies, ParsePolicies(text));
+        return absl::OkStatus();
+      }};
 }
 
 TextValue CurrencyOf(Request& request) {
-  TextValue value;
-  value.read = [&request](const std::string& text, const NumberRange&) {
+  return {.read = [&request](const std::string& text, const NumberRange&) {
     request.currency = text;
     return CheckCurrency(text);
-  };
-  return value;
+  }};
 }
 
 std::vector<Option> PlantOptions(Request& request) {
@@ -75,9 +67,9 @@ std::vector<Option> LifeOptionsOf(Request& request) {
        "", kPositive},
       {"policies", PoliciesOf(campaign),
        "Policies to compare: never; output_error:N, combined:N, arx:N "
-       "(corrected "
-       "after every N-th set-point change); test:M (a step test every M "
-       "months); on_demand:T (a step test when the performance index of a "
+       "(corrected after every N-th set-point change); test:M (a step test "
+       "every M months); on_demand:T (a step test when the performance index "
+       "of a "
        "change falls below T); perfect."},
       {"seeds", &request.seeds, "Number of seeds.", "", kSeeds},
       {"first_seed", &request.first_seed, "First of the consecutive seeds."},
@@ -234,20 +226,17 @@ absl::StatusOr<double> ParseHours(const std::string& text) {
       if (text.substr(end) == name) return number * hours;
     }
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("'", text,
-                   "' is not a duration; a number > 0 with one of the units "
-                   "s, min, h, d, w, y is needed, as in 30d"));
+  return InvalidArgument("'", text,
+                         "' is not a duration; a number > 0 with one of the "
+                         "units s, min, h, d, w, y is needed, as in 30d");
 }
 
 TextValue Hours(double* hours, std::string text) {
-  TextValue value;
-  value.text = std::move(text);
-  value.read = [hours](const std::string& given, const NumberRange&) {
-    MLE_ASSIGN_OR_RETURN(*hours, ParseHours(given));
-    return absl::OkStatus();
-  };
-  return value;
+  return {.text = std::move(text),
+          .read = [hours](const std::string& given, const NumberRange&) {
+            MLE_ASSIGN_OR_RETURN(*hours, ParseHours(given));
+            return absl::OkStatus();
+          }};
 }
 
 TextValue HoursOrNever(double* hours) {

@@ -4,12 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/common/command_line.h"
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/summary.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
-#include "mle/base/status.h"
+#include "mle/base/version.h"
 #include "mle/data/csv_rows.h"
 #include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
@@ -20,9 +19,6 @@ namespace {
 using report::HtmlPage;
 
 using Figures = std::vector<report::DrawnFigure>;
-
-// More of them are folded.
-constexpr std::size_t kMostWarnings = 3;
 
 void AddWarnings(const std::vector<RateSummary>& summaries, std::size_t lives,
                  HtmlPage& page) {
@@ -36,10 +32,7 @@ void AddWarnings(const std::vector<RateSummary>& summaries, std::size_t lives,
           lives == 1 ? " life" : " lives", "; its cost is not known."));
     }
   }
-  const bool many = warnings.size() > kMostWarnings;
-  if (many) page.OpenFold(absl::StrCat(warnings.size(), " warnings"));
-  for (const std::string& warning : warnings) page.AddWarning(warning);
-  if (many) page.CloseFold();
+  page.AddWarnings(warnings);
 }
 
 // That the old model may cost less than the plant's own.
@@ -129,14 +122,10 @@ std::string FormatPage(const Campaign& campaign,
   AddPolicies(campaign, page);
   AddRates(summaries, lives, valuation.currency, page);
   AddCourse(summaries, figures, page);
-  page.OpenFold("Files");
-  page.AddFiles({{"result.json: every number of this page", "result.json"},
-                 {"lifecycle.csv: every set-point change of every life",
-                  "lifecycle.csv"}});
-  page.CloseFold();
-  page.OpenFold("Run it again");
-  page.AddRunAgain(run_again);
-  page.CloseFold();
+  page.AddLastFolds({{"result.json: every number of this page", "result.json"},
+                     {"lifecycle.csv: every set-point change of every life",
+                      "lifecycle.csv"}},
+                    run_again);
   return page.Render();
 }
 
@@ -153,19 +142,19 @@ absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked) {
   const Campaign& campaign = request.campaign;
   const auto& [lives, summaries, valuation] = results;
-  std::vector<std::pair<std::string, std::string>> files = {
-      {"result.json",
-       FormatResult(campaign, summaries, valuation, asked.call, asked.options)},
-      {"lifecycle.csv", FormatRows(campaign, lives, valuation)}};
-  std::vector<report::DrawnFigure> figures;
+  std::vector<report::NamedFigure> figures;
   if (request.figures) {
-    figures = report::DrawFigures(
-        MakeFigures(campaign, lives, summaries, valuation), campaign.threads);
+    figures = MakeFigures(campaign, lives, summaries, valuation);
   }
-  const std::vector<std::string> missing = report::AddPictures(figures, files);
-  files.emplace_back("report.html", FormatPage(campaign, summaries, valuation,
-                                               figures, asked.run_again));
-  return WriteFilesTogether(campaign.folder, files, missing);
+  return report::WriteReport(
+      campaign.folder, std::move(figures), campaign.threads,
+      {{"result.json", FormatResult(campaign, summaries, valuation, asked.call,
+                                    asked.options)},
+       {"lifecycle.csv", FormatRows(campaign, lives, valuation)}},
+      [&](const Figures& drawn) {
+        return FormatPage(campaign, results.summaries, results.valuation, drawn,
+                          asked.run_again);
+      });
 }
 
 namespace {
@@ -254,7 +243,7 @@ std::string FormatResult(
     const std::vector<std::pair<std::string, std::string>>& flags) {
   Json json = {{"version", 1},
                {"program", "mle_lifecycle"},
-               {"program_version", std::string(Version())},
+               {"program_version", std::string(LibraryVersion())},
                {"command", command}};
   Json flag_values = Json::object();
   for (const auto& [name, value] : flags) flag_values[name] = value;

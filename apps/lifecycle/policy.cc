@@ -7,8 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "apps/common/command_line.h"
-#include "apps/common/did_you_mean.h"
+#include "apps/common/option_values.h"
 #include "mle/base/status.h"
 
 namespace mle::lifecycle {
@@ -17,7 +16,7 @@ namespace {
 constexpr double kMaxChanges = 1e6;
 
 absl::Status WrongPart(const std::string& part, const std::string& why) {
-  return absl::InvalidArgumentError(absl::StrCat("'", part, "': ", why));
+  return InvalidArgument("'", part, "': ", why);
 }
 
 // The number after the colon; `none` where there is no colon.
@@ -40,9 +39,9 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
   policy.estimator = estimator;
   MLE_ASSIGN_OR_RETURN(const double every, Argument(part, 1.0));
   if (!(every >= 1.0) || every > kMaxChanges || every != std::floor(every)) {
-    return WrongPart(part,
-                     "after the colon a whole number of set-point changes "
-                     "≥ 1 is needed");
+    return WrongPart(
+        part,
+        "after the colon a whole number of set-point changes ≥ 1 is needed");
   }
   policy.every = static_cast<int>(every);
   policy.name = absl::StrCat(std::string(NameOf(estimator)), ":", policy.every);
@@ -132,98 +131,91 @@ std::string Months(const std::string& months) {
                        : absl::StrCat("every ", months, " months");
 }
 
-// The parts of the model that a correction estimates: the start of a sentence.
-absl::string_view Estimated(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::kOutputError:
-      break;
-    case Estimator::kCombined:
-      return "Gains, time constants and dead times, and the shape of responses "
-             "where these do not describe it, are";
-    case Estimator::kArx:
-      return "Whole step responses (ΔR, around the model of the commissioning) "
-             "are";
-  }
-  return "Gains, time constants and dead times are";
-}
-
 constexpr char kStepTest[] =
     "The controller is off, each input goes up and back, and the model is "
     "corrected from that record. When: ";
 
-}  // namespace
+// What a correction by this estimator is called in tables and in instructions,
+// and what it estimates: the start of a sentence.
+struct EstimatorWords {
+  const char* shown;
+  const char* by;
+  const char* estimated;
+};
 
-std::string ShortName(const Policy& policy) {
-  switch (policy.kind) {
-    case Policy::Kind::kNever:
-      return "never updated";
-    case Policy::Kind::kPerfect:
-      return "perfect model (the floor)";
-    case Policy::Kind::kTest:
-      return absl::StrCat("step test ", Months(absl::StrCat(policy.months)));
-    case Policy::Kind::kOnDemand:
-      return absl::StrCat("step test on demand, ", policy.threshold);
-    case Policy::Kind::kCorrection:
+EstimatorWords WordsFor(Estimator estimator) {
+  switch (estimator) {
+    case Estimator::kOutputError:
       break;
+    case Estimator::kCombined:
+      return {"combined, ", " by the combined estimator",
+              "Gains, time constants and dead times, and the shape of "
+              "responses where these do not describe it, are"};
+    case Estimator::kArx:
+      return {"ΔR, ", " by ΔR",
+              "Whole step responses (ΔR, around the model of the "
+              "commissioning) are"};
   }
-  const absl::string_view how =
-      policy.estimator == Estimator::kOutputError ? "corrected "
-      : policy.estimator == Estimator::kCombined  ? "combined, "
-                                                  : "ΔR, ";
-  return absl::StrCat(how, Every(policy.every, "change"));
+  return {"corrected ", "", "Gains, time constants and dead times are"};
 }
 
-std::string Instruction(const Policy& policy) {
+struct PolicyWords {
+  std::string shown;
+  std::string instruction;
+  std::string description;
+};
+
+PolicyWords WordsOf(const Policy& policy) {
   switch (policy.kind) {
     case Policy::Kind::kNever:
-      return "Leave the model as it is";
+      return {"never updated", "Leave the model as it is",
+              "The controller keeps the model of its commissioning. When: "
+              "never."};
     case Policy::Kind::kPerfect:
-      return "Have a perfect model";
-    case Policy::Kind::kTest:
-      return absl::StrCat("Make a step test ",
-                          Months(absl::StrCat(policy.months)));
+      return {
+          "perfect model (the floor)", "Have a perfect model",
+          "The controller always has the plant's own model, at no cost: not a "
+          "way to work but the floor by which the others are judged."};
+    case Policy::Kind::kTest: {
+      const std::string when = Months(absl::StrCat(policy.months));
+      return {absl::StrCat("step test ", when),
+              absl::StrCat("Make a step test ", when),
+              absl::StrCat(kStepTest, when, ".")};
+    }
     case Policy::Kind::kOnDemand:
-      return absl::StrCat(
-          "Make a step test when the performance index of a set-point change "
-          "falls below ",
-          policy.threshold);
+      return {absl::StrCat("step test on demand, ", policy.threshold),
+              absl::StrCat("Make a step test when the performance index of a "
+                           "set-point change falls below ",
+                           policy.threshold),
+              absl::StrCat(kStepTest,
+                           "after a set-point change whose performance index, "
+                           "the squared error that the controller was designed "
+                           "for over the measured one, is below ",
+                           policy.threshold, ".")};
     case Policy::Kind::kCorrection:
       break;
   }
-  const absl::string_view how = policy.estimator == Estimator::kOutputError ? ""
-                                : policy.estimator == Estimator::kCombined
-                                    ? " by the combined estimator"
-                                    : " by ΔR";
-  return absl::StrCat("Correct the model", how, " after ",
-                      Every(policy.every, "set-point change"));
+  const EstimatorWords words = WordsFor(policy.estimator);
+  const std::string when = Every(policy.every, "set-point change");
+  return {
+      absl::StrCat(words.shown, Every(policy.every, "change")),
+      absl::StrCat("Correct the model", words.by, " after ", when),
+      absl::StrCat(words.estimated,
+                   " corrected from routine records of the last set-point "
+                   "changes, without a test. When: after ",
+                   when, ", if the records show that the plant has changed.")};
+}
+
+}  // namespace
+
+std::string ShortName(const Policy& policy) { return WordsOf(policy).shown; }
+
+std::string Instruction(const Policy& policy) {
+  return WordsOf(policy).instruction;
 }
 
 std::string Description(const Policy& policy) {
-  switch (policy.kind) {
-    case Policy::Kind::kNever:
-      return "The controller keeps the model of its commissioning. When: "
-             "never.";
-    case Policy::Kind::kPerfect:
-      return "The controller always has the plant's own model, at no cost: not "
-             "a way to work but the floor by which the others are judged.";
-    case Policy::Kind::kTest:
-      return absl::StrCat(kStepTest, Months(absl::StrCat(policy.months)), ".");
-    case Policy::Kind::kOnDemand:
-      return absl::StrCat(
-          kStepTest,
-          "after a set-point change whose performance index, the squared error "
-          "that the controller was designed for over the measured one, is "
-          "below ",
-          policy.threshold, ".");
-    case Policy::Kind::kCorrection:
-      break;
-  }
-  return absl::StrCat(
-      Estimated(policy.estimator),
-      " corrected from routine records of the last set-point changes, without "
-      "a test. When: after ",
-      Every(policy.every, "set-point change"),
-      ", if the records show that the plant has changed.");
+  return WordsOf(policy).description;
 }
 
 }  // namespace mle::lifecycle

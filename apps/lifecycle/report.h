@@ -9,13 +9,11 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "apps/common/run_again.h"
+#include "apps/common/command_line.h"
 #include "apps/lifecycle/campaign.h"
-#include "apps/lifecycle/policy.h"
 #include "apps/lifecycle/request.h"
 #include "apps/lifecycle/summary.h"
 #include "apps/report/drawing.h"
-#include "apps/report/figure.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
 

@@ -2,20 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 #include <utility>
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
-#include "apps/common/command_line.h"
-#include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
-#include "apps/common/option_table.h"
-#include "apps/experiment/experiment_options.h"
-#include "apps/experiment/options.h"
+#include "apps/common/shared_options.h"
+#include "apps/experiment/campaign.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 #include "mle/data/civil_time.h"
 #include "sim/ageing_json.h"
 
@@ -46,9 +43,9 @@ double Or(double given, double by_default) {
 
 absl::Status CheckModel(const ProcessModel& model, const std::string& path) {
   MLE_RETURN_IF_ERROR(CheckMoves(model, path, "nothing that can age"));
-  const absl::Status integrating = CheckNotIntegrating(
-      model, "life cycles are those of elements that settle");
-  return integrating.ok() ? integrating : AboutOption("model", integrating);
+  return AboutOption(
+      "model", CheckNotIntegrating(
+                   model, "life cycles are those of elements that settle"));
 }
 
 // Reads the files that the paths name into `given`.
@@ -63,9 +60,8 @@ absl::Status ReadFiles(const Request& request, GivenModels& given) {
                          ReadModelLike(given.model, request.model_path, "plant",
                                        request.plant_path));
   }
-  absl::StatusOr<std::string> ageing = ReadFile(request.ageing_path);
-  if (!ageing.ok()) return AboutOption("ageing", ageing.status());
-  given.ageing = *std::move(ageing);
+  MLE_ASSIGN_OR_RETURN(given.ageing,
+                       AboutOption("ageing", ReadFile(request.ageing_path)));
   return absl::OkStatus();
 }
 
@@ -80,10 +76,8 @@ absl::Status TakeModels(const GivenModels& given, const Request& request,
       CheckSameChannels(campaign.model, "model", campaign.plant, "plant"));
   absl::StatusOr<sim::AgeingSchedule> ageing = sim::ParseAgeingSchedule(
       given.ageing, in_memory ? "ageing" : request.ageing_path, campaign.plant);
-  if (!ageing.ok()) {
-    return in_memory ? ageing.status() : AboutOption("ageing", ageing.status());
-  }
-  campaign.ageing = *std::move(ageing);
+  if (!in_memory) ageing = AboutOption("ageing", std::move(ageing));
+  MLE_ASSIGN_OR_RETURN(campaign.ageing, std::move(ageing));
   return absl::OkStatus();
 }
 
@@ -114,8 +108,7 @@ absl::Status SetSetPoints(const Request& request, Campaign& campaign) {
   set_points.duration = request.years * kHoursPerYear / request.hours_per_unit;
   set_points.change_every = request.change_every_hours / request.hours_per_unit;
   set_points.grid = campaign.life.operation.controller.control_period;
-  const absl::Status status = set_points.Validate();
-  return status.ok() ? status : AboutOption("change_every", status);
+  return AboutOption("change_every", set_points.Validate());
 }
 
 // The largest input that holds the outputs anywhere within ± range: for each
@@ -170,7 +163,7 @@ absl::Status SetOperation(const Request& request, Campaign& campaign) {
   const absl::Status status = operation.Validate(campaign.model);
   if (status.ok()) return status;
   // Fields are named as their options.
-  return absl::InvalidArgumentError(absl::StrCat("--", status.message()));
+  return InvalidArgument("--", status.message());
 }
 
 double RoundUp(double value, double unit) {
@@ -244,7 +237,7 @@ void AddSettings(const GivenModels& given, const OptionTable& table,
   campaign.settings["file of ageing"] = given.ageing;
   campaign.settings["file of model"] = FormatProcessModel(campaign.model);
   campaign.settings["file of plant"] = FormatProcessModel(campaign.plant);
-  campaign.settings["program_version"] = std::string(Version());
+  campaign.settings["program_version"] = std::string(LibraryVersion());
 }
 
 }  // namespace
@@ -260,9 +253,8 @@ absl::Status Complete(Request& request, OptionTable& table) {
   const std::optional<double> seconds = SecondsPerUnit(unit);
   if (!seconds.has_value()) {
     return AboutOption(
-        "model", absl::InvalidArgumentError(
-                     absl::StrCat("the time unit '", unit,
-                                  "' is not known; choose from s, min, h, d")));
+        "model", InvalidArgument("the time unit '", unit,
+                                 "' is not known; choose from s, min, h, d"));
   }
   request.hours_per_unit = *seconds / 3600.0;
   MLE_RETURN_IF_ERROR(table.FitTo(campaign.model));

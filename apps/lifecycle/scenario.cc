@@ -5,7 +5,6 @@
 #include <random>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -22,14 +21,14 @@ absl::Status SetPointOptions::Validate() const {
   MLE_RETURN_IF_ERROR(sim::CheckPositive("change_every", change_every));
   MLE_RETURN_IF_ERROR(sim::CheckPositive("grid", grid));
   if (!(change_every <= duration)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "change_every = ", change_every, ", but all years are only ", duration,
-        "; there would be no change"));
+    return InvalidArgument("change_every = ", change_every,
+                           ", but all years are only ", duration,
+                           "; there would be no change");
   }
   if (!(duration / change_every <= kMaxEvents)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "change_every = ", change_every, " makes ", duration / change_every,
-        " changes; up to ", kMaxEvents, " are possible"));
+    return InvalidArgument("change_every = ", change_every, " makes ",
+                           duration / change_every, " changes; up to ",
+                           kMaxEvents, " are possible");
   }
   for (const double value : range) {
     MLE_RETURN_IF_ERROR(sim::CheckPositive("range", value));

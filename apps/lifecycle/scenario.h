@@ -12,7 +12,6 @@
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
 #include "sim/ageing.h"
 

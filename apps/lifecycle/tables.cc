@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/report.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 
 namespace mle::lifecycle {
 namespace {

@@ -1,14 +1,12 @@
-#include "apps/lifecycle/update.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "apps/lifecycle/life.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/model/process_model.h"
 #include "mle/nonlinear/fopdt_fit.h"
 
 namespace mle::lifecycle {
@@ -60,13 +58,10 @@ absl::StatusOr<ModelInUse> MakeModel(const CorrectionResult& result,
   model.own_response = true;
   model.response = result.corrected.response;
   model.predictor = result.estimate.fit.corrected;
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : result.initial.inputs()) {
-    roles.push_back(input.role);
-  }
-  MLE_ASSIGN_OR_RETURN(model.prediction,
-                       control::PredictFromStepResponse(
-                           model.response, roles, options.control_period));
+  MLE_ASSIGN_OR_RETURN(
+      model.prediction,
+      control::PredictFromStepResponse(
+          model.response, InputRoles(result.initial), options.control_period));
   return model;
 }
 
@@ -131,9 +126,9 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name) {
   for (const auto& [value, known] : kNames) {
     if (known == name) return value;
   }
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "there is no outcome '", std::string(name),
-      "'; choose from none, no change, updated, refused and reverted"));
+      "'; choose from none, no change, updated, refused and reverted");
 }
 
 CorrectOptions UpdateOptions::SimulatedRecords() {
@@ -198,24 +193,22 @@ absl::StatusOr<ModelError> CompareWithPlant(const ModelInUse& model,
   }
   ModelError error;
   error.distance = SquaredDistance(truth, response);
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      const TransferFunction& element = plant.element(i, j);
-      if (element.IsZero()) continue;
-      const double gain = model.own_response
-                              ? response.element(i, j)(samples - 1)
-                              : model.process.element(i, j).StaticGain();
-      const double true_gain = model.own_response
-                                   ? truth.element(i, j)(samples - 1)
-                                   : element.StaticGain();
-      error.gain = std::max(error.gain,
-                            std::abs(gain - true_gain) / std::abs(true_gain));
-      double delay = model.process.element(i, j).delay();
-      if (model.own_response) {
-        MLE_ASSIGN_OR_RETURN(delay, DelayOf(response, i, j));
-      }
-      error.delay = Larger(error.delay, std::abs(delay - element.delay()));
+  for (const auto& [i, j] : Pairs(plant)) {
+    const TransferFunction& element = plant.element(i, j);
+    if (element.IsZero()) continue;
+    const double gain = model.own_response
+                            ? response.element(i, j)(samples - 1)
+                            : model.process.element(i, j).StaticGain();
+    const double true_gain = model.own_response
+                                 ? truth.element(i, j)(samples - 1)
+                                 : element.StaticGain();
+    error.gain =
+        std::max(error.gain, std::abs(gain - true_gain) / std::abs(true_gain));
+    double delay = model.process.element(i, j).delay();
+    if (model.own_response) {
+      MLE_ASSIGN_OR_RETURN(delay, DelayOf(response, i, j));
     }
+    error.delay = Larger(error.delay, std::abs(delay - element.delay()));
   }
   return error;
 }

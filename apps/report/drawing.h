@@ -1,29 +1,46 @@
 // The figures of a page, and the files of them beside it.
 //
-//   const std::vector<DrawnFigure> drawn = DrawFigures(MakeFigures(result), 0);
-//   const auto missing = AddPictures(drawn, files);  // records.svg, …
-//   AddFigure(drawn, "records", page);
+//   return WriteReport(folder, MakeFigures(result), 0,
+//                      {{"result.json", FormatResult(result)}},
+//                      [&](const std::vector<DrawnFigure>& drawn) { … });
 
 #ifndef APPS_REPORT_DRAWING_H_
 #define APPS_REPORT_DRAWING_H_
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/report/convert.h"
+#include "absl/time/time.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
 
 namespace mle::report {
 
+enum class Format { kPng, kPdf };
+
+struct ConvertOptions {
+  std::string program = "rsvg-convert";           // sought in PATH
+  double png_dots_per_inch = 200.0;               // [30, 1200]
+  absl::Duration time_limit = absl::Seconds(30);  // then it is killed
+};
+
+// The bytes of the picture; the same SVG gives the same. FailedPrecondition if
+// the program is not installed, DeadlineExceeded if it hangs, Internal with its
+// own words if it fails.
+absl::StatusOr<std::string> ConvertSvg(std::string_view svg, Format format,
+                                       const ConvertOptions& options = {});
+
 struct NamedFigure {
-  std::string name;     // of its files, without extension
-  std::string caption;  // says what is shown, in a page
-  std::string alt;      // the same to those who cannot see it
-  Figure figure;
+  std::string name = {};     // of its files, without extension
+  std::string caption = {};  // says what is shown, in a page
+  // The same to those who cannot see it; empty: the caption.
+  std::string alt = {};
+  Figure figure = {};
 };
 
 // The file of each picture, or why there is none.
@@ -35,7 +52,7 @@ struct DrawnFigure {
 };
 
 // In the order given, on `threads` threads (0: one for each processor). PNG and
-// PDF need a program (convert.h); when that hangs once, it is not asked again.
+// PDF need a program; when that hangs once, it is not asked again.
 std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
                                      int threads,
                                      const ConvertOptions& options = {});
@@ -47,6 +64,13 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
 std::vector<std::string> AddPictures(
     const std::vector<DrawnFigure>& drawn,
     std::vector<std::pair<std::string, std::string>>& files);
+
+// Draws the figures and writes their files, `files` and report.html, which
+// `page` makes of the figures drawn, into `folder`: all or none.
+absl::Status WriteReport(
+    const std::string& folder, std::vector<NamedFigure> figures, int threads,
+    std::vector<std::pair<std::string, std::string>> files,
+    const std::function<std::string(const std::vector<DrawnFigure>&)>& page);
 
 bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name);
 

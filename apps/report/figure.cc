@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "mle/base/status.h"
 
 namespace mle::report {
 namespace {
@@ -18,7 +19,7 @@ bool InRange(double value, double low, double high) {
 absl::Status InvalidIf(bool wrong, absl::string_view where,
                        absl::string_view what) {
   if (!wrong) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(where, ": ", what));
+  return InvalidArgument(where, ": ", what);
 }
 
 absl::Status ValidateAxis(const Axis& axis, const std::string& where) {

@@ -1,18 +1,95 @@
 #include "apps/report/html.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <set>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "apps/report/page_style.h"
-#include "apps/report/readout.h"
 #include "apps/report/svg.h"
 #include "apps/report/text.h"
 
 namespace mle::report {
 namespace {
+
+// Hides the rows that do not hold the text, in any case of letters, or have
+// another value in the column of the list, and says how many are left.
+constexpr std::string_view kFilter =
+    "const q=this.querySelector('input').value.trim().toLowerCase(),c=this."
+    "querySelector('select'),b=this.querySelector('table').tBodies[0];let n=0;"
+    "for(const r of b.rows){r.hidden=!(r.textContent.toLowerCase().includes(q)"
+    "&&(!c||!c.value||r.cells[+c.dataset.column].textContent===c.value));"
+    "n+=!r.hidden}this.querySelector('output').textContent=n.toLocaleString("
+    "'en')+' of '+b.rows.length.toLocaleString('en')";
+
+// The values of the column.
+std::set<std::string> ValuesOf(const Table& table, std::size_t column) {
+  std::set<std::string> values;
+  for (const auto& row : table.rows) {
+    if (column < row.size()) values.insert(row[column]);
+  }
+  return values;
+}
+
+std::string RenderChoice(const Table& table) {
+  if (table.choice < 0 ||
+      static_cast<std::size_t>(table.choice) >= table.columns.size()) {
+    return "";
+  }
+  const auto column = static_cast<std::size_t>(table.choice);
+  std::string out = "<label>" + EscapeHtml(table.columns[column].header) +
+                    " <select data-column=\"" + std::to_string(column) +
+                    "\"><option value=\"\">all</option>";
+  for (const std::string& value : ValuesOf(table, column)) {
+    out += "<option>" + EscapeHtml(value) + "</option>";
+  }
+  return out + "</select></label>\n";
+}
+
+std::string_view TypeOf(Form::Field::Kind kind) {
+  constexpr std::string_view kTypes[] = {"text", "password", "hidden"};
+  return kTypes[static_cast<int>(kind)];
+}
+
+std::string RenderField(const Form::Field& field) {
+  std::string input = "<input type=\"";
+  input += TypeOf(field.kind);
+  input += "\" name=\"" + EscapeHtml(field.name) + "\"";
+  if (!field.value.empty()) {
+    input += " value=\"" + EscapeHtml(field.value) + "\"";
+  }
+  if (field.kind == Form::Field::Kind::kHidden) return input + ">\n";
+  input += " autocomplete=\"" + EscapeHtml(field.autocomplete) + "\"";
+  input += " maxlength=\"" + std::to_string(field.most_characters) + "\"";
+  if (field.required) input += " required=\"required\"";
+  return "<label>" + EscapeHtml(field.label) + " " + input + "></label>\n";
+}
+
+std::string RenderForm(const Form& form) {
+  std::string out =
+      "<form method=\"post\" action=\"" + EscapeHtml(form.action) + "\">\n";
+  for (const Form::Field& field : form.fields) out += RenderField(field);
+  return out + "<button type=\"submit\">" + EscapeHtml(form.submit) +
+         "</button>\n</form>\n";
+}
+
+// `content`, which holds the table, below the fields that filter it. Without
+// scripts the fields are not shown.
+std::string RenderFilter(const Table& table, std::string_view content) {
+  std::string out = "<div class=\"filtered\" oninput=\"";
+  out += EscapeHtml(kFilter) + "\">\n<div class=\"filter\">\n";
+  out += "<label>Search <input type=\"search\"></label>\n";
+  out += RenderChoice(table);
+  const std::string rows =
+      FormatInteger(static_cast<std::int64_t>(table.rows.size()));
+  out += "<output>" + rows + " of " + rows + "</output>\n</div>\n";
+  out += content;
+  return out + "</div>\n";
+}
 
 bool IsOfFlag(char c) {
   return absl::ascii_islower(static_cast<unsigned char>(c)) ||
@@ -59,15 +136,8 @@ constexpr std::string_view kCopy =
     "say(document.execCommand('copy')?'Copied':'Selected: press Ctrl+C')})";
 
 std::string_view BadgeName(Badge badge) {
-  switch (badge) {
-    case Badge::kGood:
-      return "good";
-    case Badge::kChanged:
-      return "changed";
-    case Badge::kUnknown:
-      break;
-  }
-  return "unknown";
+  constexpr std::string_view kNames[] = {"good", "changed", "unknown"};
+  return kNames[static_cast<int>(badge)];
 }
 
 std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
@@ -131,6 +201,12 @@ Figure InOneColumn(Figure figure) {
 
 }  // namespace
 
+std::string Verdict::Text() const {
+  std::string text = headline + ".\n";
+  for (const std::string& sentence : sentences) text += sentence + "\n";
+  return text;
+}
+
 HtmlPage::HtmlPage(std::string title) : title_(std::move(title)) {}
 
 void HtmlPage::AddSummary(const std::vector<std::string>& sentences) {
@@ -150,6 +226,7 @@ void HtmlPage::AddSubheading(std::string_view text) {
 }
 
 void HtmlPage::AddParagraph(std::string_view text) {
+  if (text.empty()) return;
   body_ += "<p>" + Prose(text) + "</p>\n";
 }
 
@@ -174,6 +251,14 @@ void HtmlPage::AddTerms(
 
 void HtmlPage::AddWarning(std::string_view text) {
   body_ += Warning(Prose(text));
+}
+
+void HtmlPage::AddWarnings(const std::vector<std::string>& texts) {
+  constexpr std::size_t kMostOpen = 3;
+  const bool many = texts.size() > kMostOpen;
+  if (many) OpenFold(std::to_string(texts.size()) + " warnings");
+  for (const std::string& text : texts) AddWarning(text);
+  if (many) CloseFold();
 }
 
 void HtmlPage::OpenFold(std::string_view title) {
@@ -251,6 +336,19 @@ void HtmlPage::AddFiles(
   body_ += "</ul>\n";
 }
 
+void HtmlPage::AddLastFolds(
+    const std::vector<std::pair<std::string, std::string>>& files,
+    const RunAgain& run) {
+  if (!files.empty()) {
+    OpenFold("Files");
+    AddFiles(files);
+    CloseFold();
+  }
+  OpenFold("Run it again");
+  AddRunAgain(run);
+  CloseFold();
+}
+
 void HtmlPage::AddRunAgain(const RunAgain& run) {
   if (open_folds_ == 0) AddHeading("Run it again");
   if (!run.command.empty()) AddCode(run.command);
@@ -292,7 +390,7 @@ std::string HtmlPage::Render() const {
 }
 
 std::vector<std::string_view> PageScripts() {
-  return {kCopy, SortScript(), FilterScript(), ReadoutScript()};
+  return {kCopy, SortScript(), kFilter, ReadoutScript()};
 }
 
 }  // namespace mle::report

@@ -1,7 +1,7 @@
 // A report as one HTML page that needs nothing but itself: no network, no other
 // files. Without scripts it is whole; one script shows the values of a figure's
-// curves under the pointer (readout.h), a button copies a table, others sort
-// and filter one (table.h, controls.h).
+// curves under the pointer (page_style.h), a button copies a table, others sort
+// and filter one (table.h).
 //
 // It reads well from telephone to wide screen, in light and dark mode, and on
 // A4. All text is escaped; there is no way to put markup in.
@@ -26,11 +26,27 @@
 #include <utility>
 #include <vector>
 
-#include "apps/report/controls.h"
 #include "apps/report/figure.h"
 #include "apps/report/table.h"
 
 namespace mle::report {
+
+// A form that a server takes by POST; of no use in a page that is a file.
+struct Form {
+  std::string action = {};  // path on the server that the page came from
+  std::string submit = {};  // on the button
+  struct Field {
+    std::string name = {};
+    std::string label = {};
+    enum class Kind { kText, kPassword, kHidden };
+    Kind kind = Kind::kText;
+    std::string value = {};
+    std::string autocomplete = "off";  // as HTML has it: "username"
+    int most_characters = 200;
+    bool required = false;
+  };
+  std::vector<Field> fields = {};
+};
 
 // The data needed to make the same report once more. Empty fields are left out.
 struct RunAgain {
@@ -49,6 +65,9 @@ struct Verdict {
   std::string label = {};  // in the badge: "corrected"
   std::string headline = {};
   std::vector<std::string> sentences = {};
+
+  // Headline and sentences, a line each.
+  std::string Text() const;
 };
 
 class HtmlPage {
@@ -63,11 +82,13 @@ class HtmlPage {
   // A section; from three on, the page opens with a table of contents.
   void AddHeading(std::string_view text);
   void AddSubheading(std::string_view text);
-  void AddParagraph(std::string_view text);
+  void AddParagraph(std::string_view text);  // nothing where it is empty
   void AddList(const std::vector<std::string>& items);
   // Terms with what they mean, side by side where there is room.
   void AddTerms(const std::vector<std::pair<std::string, std::string>>& terms);
   void AddWarning(std::string_view text);
+  // In a fold where there are more than three.
+  void AddWarnings(const std::vector<std::string>& texts);
   // Content that follows, until the fold is closed, is shown when a reader
   // opens it.
   void OpenFold(std::string_view title);
@@ -87,6 +108,10 @@ class HtmlPage {
   void AddFiles(const std::vector<std::pair<std::string, std::string>>& files);
   // With a heading, unless a fold is open.
   void AddRunAgain(const RunAgain& run);
+  // The folds at the end of a page: its files, if any, and AddRunAgain().
+  void AddLastFolds(
+      const std::vector<std::pair<std::string, std::string>>& files,
+      const RunAgain& run);
 
   std::string Render() const;
 

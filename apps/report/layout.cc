@@ -1,14 +1,11 @@
 #include "apps/report/layout.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
-#include "apps/report/date_ticks.h"
-#include "apps/report/font.h"
+#include "apps/report/text.h"
 #include "mle/base/status.h"
 
 namespace mle::report {
@@ -234,10 +231,10 @@ absl::Status PlaceFrames(const Figure& figure, double top, Layout& layout) {
   width /= columns;
   height /= rows;
   if (width < 3.0 * em || height < 2.0 * em) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "figure: ", figure.width_cm, " cm × ", figure.height_cm,
-        " cm is too small for ", rows, " × ", columns,
-        " panels with their labels in ", figure.font_size_pt, " pt"));
+    return InvalidArgument("figure: ", figure.width_cm, " cm × ",
+                           figure.height_cm, " cm is too small for ", rows,
+                           " × ", columns, " panels with their labels in ",
+                           figure.font_size_pt, " pt");
   }
 
   double y = top;

@@ -1,11 +1,11 @@
-#include "apps/report/number.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
+
+#include "apps/report/text.h"
 
 namespace mle::report {
 namespace {

@@ -1,11 +1,10 @@
-#include "apps/report/svg_parts.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "apps/report/svg.h"
 #include "apps/report/text.h"
 
 namespace mle::report {

@@ -1,5 +1,3 @@
-#include "apps/reproduce/closed_loop_comparison.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,13 +5,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/experiment/records.h"
-#include "apps/report/number.h"
+#include "apps/experiment/experiment.h"
+#include "apps/report/text.h"
+#include "apps/reproduce/summary.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::reproduce {
@@ -167,12 +165,10 @@ absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
     const ExperimentOptions& options) {
   const control::MpcOptions& mpc = options.controller;
   MLE_RETURN_IF_ERROR(mpc.Validate(plant.num_outputs(), plant.num_inputs()));
-  std::vector<InputRole> roles;
-  for (const InputChannel& input : initial.inputs())
-    roles.push_back(input.role);
   const std::array<absl::StatusOr<PredictionModel>, 3> models = {
       control::PredictFromProcess(initial, mpc.control_period),
-      control::PredictFromArx(corrected, roles, mpc.control_period),
+      control::PredictFromArx(corrected, InputRoles(initial),
+                              mpc.control_period),
       control::PredictFromProcess(plant, mpc.control_period)};
   ClosedLoopComparison comparison;
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -188,17 +184,17 @@ absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
 report::Table ClosedLoopTable(
     const std::string& case_name, const ProcessModel& plant,
     const std::vector<const ClosedLoopComparison*>& comparisons) {
-  report::Table table;
-  table.caption = absl::StrCat("Case ", case_name,
-                               ": the plant under control, by the model in the "
-                               "controller");
-  table.columns = {{"set-point change, model", report::Align::kLeft},
-                   {"squared error"},
-                   {"of the true model's"},
-                   {"input movement"},
-                   {"overshoot"},
-                   {absl::StrCat("settling (", plant.time_unit(), ")")},
-                   {"squared error, noisy"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", case_name,
+                              ": the plant under control, by the model in the "
+                              "controller"),
+      .columns = {{"set-point change, model", report::Align::kLeft},
+                  {"squared error"},
+                  {"of the true model's"},
+                  {"input movement"},
+                  {"overshoot"},
+                  {absl::StrCat("settling (", plant.time_unit(), ")")},
+                  {"squared error, noisy"}}};
   std::array<std::vector<LoopPerformance>, 3> quiet, noisy;
   for (std::size_t i = 0; i < quiet.size(); ++i) {
     quiet[i] = Mean(comparisons, false, i);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/reproduce/report.h"
@@ -42,13 +41,11 @@ void FillDistancePanel(const CaseResult& result, const Eigen::VectorXd& lambdas,
 
 NamedFigure DistanceFigure(const std::vector<CaseResult>& cases,
                            const Eigen::VectorXd& lambdas) {
-  NamedFigure named;
-  named.name = "distance_over_lambda";
-  named.caption =
-      "Squared distance E of the step responses over the penalty λ, first "
-      "seed. "
-      "The line is the model before correction.";
-  named.alt = named.caption;
+  NamedFigure named{
+      .name = "distance_over_lambda",
+      .caption =
+          "Squared distance E of the step responses over the penalty λ, first "
+          "seed. The line is the model before correction."};
   Figure& figure = named.figure;
   figure.columns = std::min(static_cast<int>(cases.size()), 2);
   const int rows =
@@ -79,15 +76,13 @@ std::vector<double> Times(const StepResponse& response) {
 // The step response that has changed most in each case, and E over λ beside it.
 NamedFigure OverviewFigure(const std::vector<CaseResult>& cases,
                            const Eigen::VectorXd& lambdas) {
-  NamedFigure named;
-  named.name = "overview";
-  named.caption =
-      "Left: the step response that has changed most, of the plant, of the "
-      "model "
-      "before correction and corrected from closed-loop records. Right: "
-      "squared "
-      "distance E of all step responses over the penalty λ.";
-  named.alt = named.caption;
+  NamedFigure named{
+      .name = "overview",
+      .caption =
+          "Left: the step response that has changed most, of the plant, of the "
+          "model before correction and corrected from closed-loop records. "
+          "Right: squared distance E of all step responses over the penalty "
+          "λ."};
   Figure& figure = named.figure;
   figure.columns = 2;
   figure.width_cm = 2.0 * kColumnWidthCm;
@@ -128,21 +123,19 @@ Figure PairGrid(const CaseResult& result, const std::string& quantity,
   figure.columns = plant.num_inputs();
   figure.width_cm = std::max(kColumnWidthCm * plant.num_inputs(), 12.0);
   figure.height_cm = 1.5 + 5.0 * plant.num_outputs();
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      Panel& panel = figure.AddPanel(
-          absl::StrCat(plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
-      if (i + 1 == plant.num_outputs()) {
-        panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
-      }
-      if (j == 0) panel.y.label = quantity;
-      for (const Curves& curve : curves) {
-        const Eigen::VectorXd values =
-            curve.values.col(i * plant.num_inputs() + j);
-        panel.series.push_back(
-            MakeSeries(curve.role, curve.label, time, ToVector(values)));
-        panel.series.back().max_points = kMaxPoints;
-      }
+  for (const auto& [i, j] : Pairs(plant)) {
+    Panel& panel = figure.AddPanel(
+        absl::StrCat(plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
+    if (i + 1 == plant.num_outputs()) {
+      panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
+    }
+    if (j == 0) panel.y.label = quantity;
+    for (const Curves& curve : curves) {
+      const Eigen::VectorXd values =
+          curve.values.col(i * plant.num_inputs() + j);
+      panel.series.push_back(
+          MakeSeries(curve.role, curve.label, time, ToVector(values)));
+      panel.series.back().max_points = kMaxPoints;
     }
   }
   return figure;
@@ -150,14 +143,12 @@ Figure PairGrid(const CaseResult& result, const std::string& quantity,
 
 NamedFigure StepFigure(const CaseResult& result) {
   const RunResult& run = result.runs.front();
-  NamedFigure named;
-  named.name = absl::StrCat("step_responses_", result.name);
-  named.caption =
-      absl::StrCat("Case ", result.name,
-                   ": step responses of the plant, of the model before "
-                   "correction, corrected "
-                   "with λ*, and corrected without penalty, first seed.");
-  named.alt = named.caption;
+  NamedFigure named{.name = absl::StrCat("step_responses_", result.name),
+                    .caption = absl::StrCat(
+                        "Case ", result.name,
+                        ": step responses of the plant, of the model before "
+                        "correction, corrected with λ*, and corrected without "
+                        "penalty, first seed.")};
   named.figure = PairGrid(
       result, "step response",
       {{Role::kTrue, "true plant", result.truth.values},
@@ -169,13 +160,11 @@ NamedFigure StepFigure(const CaseResult& result) {
 
 NamedFigure ImpulseFigure(const CaseResult& result) {
   const RunResult& run = result.runs.front();
-  NamedFigure named;
-  named.name = absl::StrCat("impulse_responses_", result.name);
-  named.caption =
-      absl::StrCat("Case ", result.name,
-                   ": impulse responses of the plant, of the model before "
-                   "correction and corrected with λ*, first seed.");
-  named.alt = named.caption;
+  NamedFigure named{.name = absl::StrCat("impulse_responses_", result.name),
+                    .caption = absl::StrCat(
+                        "Case ", result.name,
+                        ": impulse responses of the plant, of the model before "
+                        "correction and corrected with λ*, first seed.")};
   named.figure = PairGrid(
       result, "impulse response",
       {{Role::kTrue, "true plant", ImpulseResponses(result.truth)},
@@ -213,13 +202,13 @@ void FillLoopPanel(const CaseResult& result, int output, int change,
 NamedFigure ClosedLoopFigure(const CaseResult& result) {
   const ProcessModel& plant = result.plant;
   const int p = plant.num_outputs();
-  NamedFigure named;
-  named.name = absl::StrCat("closed_loop_", result.name);
-  named.caption = absl::StrCat(
-      "Case ", result.name,
-      ": the aged plant under control, without noise, by the model in the "
-      "controller; a column for each set point that is changed, first seed.");
-  named.alt = named.caption;
+  NamedFigure named{
+      .name = absl::StrCat("closed_loop_", result.name),
+      .caption = absl::StrCat(
+          "Case ", result.name,
+          ": the aged plant under control, without noise, by the model in the "
+          "controller; a column for each set point that is changed, first "
+          "seed.")};
   Figure& figure = named.figure;
   figure.columns = p;
   figure.width_cm = std::clamp(kColumnWidthCm * p, 12.0, 60.0);

@@ -1,9 +1,9 @@
-#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/report/number.h"
+#include "apps/common/model_files.h"
+#include "apps/report/text.h"
 #include "apps/reproduce/report.h"
 #include "mle/base/version.h"
 #include "mle/data/csv_rows.h"
@@ -59,8 +59,7 @@ void AddEstimators(const std::vector<CaseResult>& cases,
       "smoothed L1, first seed only; output_error: gains, time constants and "
       "dead times; combined: output_error, and shapes that the structure lacks "
       "where the records speak for them. The information bound is the E that "
-      "no "
-      "unbiased estimate of the plant's parameters can beat on average; an "
+      "no unbiased estimate of the plant's parameters can beat on average; an "
       "estimate that knows which elements have aged can.");
   for (const CaseResult& result : cases) {
     page.AddTable(EstimatorTable(result, /*with_times=*/false));
@@ -285,37 +284,6 @@ std::string FormatDistances(const RunResult& run,
   return csv;
 }
 
-std::string FormatStepResponses(const CaseResult& result) {
-  const RunResult& run = result.runs.front();
-  const std::pair<const char*, const StepResponse*> models[] = {
-      {"initial", &result.initial},
-      {"true", &result.truth},
-      {"corrected", &run.corrected},
-      {"unregularised", &run.unregularised}};
-  std::string csv = "time";
-  for (const auto& [name, response] : models) {
-    for (const OutputChannel& output : result.plant.outputs()) {
-      for (const InputChannel& input : result.plant.inputs()) {
-        absl::StrAppend(&csv, ",",
-                        QuoteCsvField(absl::StrCat(output.name, "/", input.name,
-                                                   " ", name)));
-      }
-    }
-  }
-  csv += '\n';
-  for (int k = 0; k < result.truth.samples(); ++k) {
-    absl::StrAppendFormat(&csv, "%.12g", k * result.truth.sample_time);
-    for (const auto& [name, response] : models) {
-      for (Eigen::Index column = 0; column < response->values.cols();
-           ++column) {
-        absl::StrAppendFormat(&csv, ",%.12g", response->values(k, column));
-      }
-    }
-    csv += '\n';
-  }
-  return csv;
-}
-
 }  // namespace
 
 std::string FormatResults(const std::vector<CaseResult>& cases) {
@@ -345,10 +313,16 @@ std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,
                                const Eigen::VectorXd& lambdas) {
   std::vector<File> files;
   for (const CaseResult& result : cases) {
+    const RunResult& first = result.runs.front();
     files.emplace_back(absl::StrCat("curve_", result.name, ".csv"),
-                       FormatDistances(result.runs.front(), lambdas));
-    files.emplace_back(absl::StrCat("step_response_", result.name, ".csv"),
-                       FormatStepResponses(result));
+                       FormatDistances(first, lambdas));
+    files.emplace_back(
+        absl::StrCat("step_response_", result.name, ".csv"),
+        FormatStepResponses(result.plant, result.truth.sample_time,
+                            {{"initial", result.initial.values},
+                             {"true", result.truth.values},
+                             {"corrected", first.corrected.values},
+                             {"unregularised", first.unregularised.values}}));
   }
   return files;
 }

@@ -1,17 +1,16 @@
-#include "apps/reproduce/reproduction.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
-#include <thread>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/progress.h"
 #include "apps/experiment/experiment.h"
 #include "apps/experiment/grid.h"
-#include "apps/experiment/unit.h"
-#include "apps/reproduce/summary.h"
+#include "apps/experiment/run_folder.h"
+#include "apps/experiment/study.h"
+#include "apps/reproduce/request.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
@@ -193,10 +192,7 @@ absl::StatusOr<std::vector<CaseResult>> RunReproduction(
                        reproduction.Options());
   Campaign campaign = reproduction.campaign;
   const Methods methods(reproduction, campaign);
-  const int threads =
-      reproduction.threads > 0
-          ? reproduction.threads
-          : std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
+  const int threads = experiment::RunThreads(reproduction.threads);
   const bool many = static_cast<int>(campaign.seeds.size()) >= threads;
   const Grid grid(campaign, many ? Grid::kUnitScenarios : 1);
   std::vector<CaseResult> results;
@@ -204,14 +200,16 @@ absl::StatusOr<std::vector<CaseResult>> RunReproduction(
     results.push_back(Describe(reproduction, static_cast<int>(c), options));
   }
   const std::vector<std::vector<std::int64_t>> units = UnitsOf(grid, methods);
-  std::size_t runs = 0;
-  for (const auto& unit : units) runs += unit.size();
-  Progress progress("runs", static_cast<int>(runs));
+  std::int64_t runs = 0;
+  for (const auto& unit : units) runs += std::ssize(unit);
+  const ProgressFunction told = ShowProgress("runs");
+  std::atomic<std::int64_t> done{0};
+  told(0, runs);
   const std::atomic<bool> stop{false};
   ParallelFor(static_cast<int>(units.size()), threads, [&](int i) {
     RunUnit(campaign, grid, units[i], stop, [&](const Outcome& outcome) {
       Keep(reproduction, methods, outcome, results);
-      progress.Done();
+      told(++done, runs);
     });
   });
   MLE_RETURN_IF_ERROR(FirstFailure(results));

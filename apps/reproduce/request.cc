@@ -2,18 +2,15 @@
 
 #include <cstddef>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/built_in_models.h"
 #include "apps/common/command_line.h"
-#include "apps/common/controller_options.h"
-#include "apps/common/did_you_mean.h"
 #include "apps/common/model_files.h"
-#include "apps/experiment/experiment_options.h"
+#include "apps/common/option_values.h"
+#include "apps/common/shared_options.h"
 #include "mle/base/status.h"
 
 namespace mle::reproduce {
@@ -73,9 +70,9 @@ std::vector<Option> MethodOptions(Request& request) {
        "Estimators to compare on the same records, of arx (ΔR, exact), ceres "
        "(ΔR by smoothed L1; first seed only), output_error (gains, time "
        "constants, dead times), combined (output_error, and shapes that it "
-       "lacks) and none (the "
-       "initial model), each as in mle_correct or with another test of no "
-       "change behind a colon, such as arx:adequacy: calibrated, chi_square, "
+       "lacks) and none (the initial model), each as in mle_correct or with "
+       "another test of no change behind a colon, such as arx:adequacy: "
+       "calibrated, chi_square, "
        "adequacy (arx and ceres only) or none; empty for no comparison."},
       {"ablations", Words(&request.ablations),
        absl::StrCat("Decisions to be taken differently, one at a time, to "
@@ -101,17 +98,13 @@ absl::Status ReadEstimators(const Request& request,
                             std::vector<experiment::Method>& estimators) {
   std::set<std::string> names;
   for (const std::string& name : request.estimators) {
-    const absl::StatusOr<experiment::Method> method =
-        experiment::ParseMethod(name);
-    if (!method.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--estimators: ", method.status().message()));
+    MLE_ASSIGN_OR_RETURN(
+        const experiment::Method method,
+        AboutOption("estimators", experiment::ParseMethod(name)));
+    if (!names.insert(method.name()).second) {
+      return InvalidArgument("--estimators: '", name, "' is named twice");
     }
-    if (!names.insert(method->name()).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--estimators: '", name, "' is named twice"));
-    }
-    estimators.push_back(*method);
+    estimators.push_back(method);
   }
   return absl::OkStatus();
 }
@@ -128,9 +121,9 @@ absl::Status ReadAblations(const Request& request,
       found = true;
     }
     if (found) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--ablations: there is no ablation '", name, "'; ",
-        DidYouMean(name, known), "choose from ", absl::StrJoin(known, ", ")));
+    return InvalidArgument("--ablations: there is no ablation '", name, "'; ",
+                           DidYouMean(name, known), "choose from ",
+                           absl::StrJoin(known, ", "));
   }
   const std::set<const Ablation*> different(ablations.begin(), ablations.end());
   if (different.size() == ablations.size()) return absl::OkStatus();
@@ -183,8 +176,8 @@ absl::Status Complete(Request& request, OptionTable& table) {
   absl::StatusOr<Eigen::VectorXd> grid =
       MakeLambdaGrid(request.lambda_grid_max, request.lambda_grid_step);
   if (!grid.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--lambda_grid_max, --lambda_grid_step: ", grid.status().message()));
+    return InvalidArgument("--lambda_grid_max, --lambda_grid_step: ",
+                           grid.status().message());
   }
   campaign.settings.correction.lambdas = *std::move(grid);
   MLE_ASSIGN_OR_RETURN(const experiment::ExperimentOptions options,
@@ -203,9 +196,9 @@ absl::Status CheckName(const std::string& name) {
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                          "0123456789_-") == std::string::npos;
   if (plain) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "--plants: the name '", name,
-      "' must be made of letters, digits, '_' and '-', at most 100"));
+      "' must be made of letters, digits, '_' and '-', at most 100");
 }
 
 absl::StatusOr<std::vector<Mismatch>> ReadPlants(const Request& request,
@@ -214,8 +207,8 @@ absl::StatusOr<std::vector<Mismatch>> ReadPlants(const Request& request,
   for (const std::string& part : ParseList(request.plants)) {
     const std::size_t colon = part.find(':');
     if (colon == std::string::npos) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--plants: '", part, "' is not of the form NAME:FILE"));
+      return InvalidArgument("--plants: '", part,
+                             "' is not of the form NAME:FILE");
     }
     Mismatch& one = cases.emplace_back();
     one.name = part.substr(0, colon);
@@ -238,10 +231,10 @@ absl::StatusOr<std::vector<Mismatch>> BuiltInCases(const Request& request) {
       if (model.name == name) found = &model;
     }
     if (found == nullptr) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "--cases: there is no case '", name, "'; ",
           DidYouMean(name, {"gain", "delay"}),
-          "choose from gain and delay, others run with --model and --plants"));
+          "choose from gain and delay, others run with --model and --plants");
     }
     MLE_ASSIGN_OR_RETURN(ProcessModel plant,
                          ParseProcessModel(found->json, found->source));
@@ -276,9 +269,10 @@ absl::Status ReadCases(Request& request) {
   }
   if (own) {
     MLE_ASSIGN_OR_RETURN(initial, ReadModel("model", request.model_path));
-    const absl::Status integrating = CheckNotIntegrating(
-        initial, "reproductions are those of elements that settle");
-    if (!integrating.ok()) return AboutOption("model", integrating);
+    MLE_RETURN_IF_ERROR(AboutOption(
+        "model",
+        CheckNotIntegrating(
+            initial, "reproductions are those of elements that settle")));
     MLE_ASSIGN_OR_RETURN(campaign.mismatches, ReadPlants(request, initial));
   } else {
     MLE_ASSIGN_OR_RETURN(initial,
@@ -289,9 +283,8 @@ absl::Status ReadCases(Request& request) {
   std::set<std::string> names;
   for (const Mismatch& one : campaign.mismatches) {
     if (!names.insert(one.name).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(own ? "--plants" : "--cases", ": '", one.name,
-                       "' is named twice; every case needs its own name"));
+      return InvalidArgument(own ? "--plants" : "--cases", ": '", one.name,
+                             "' is named twice; every case needs its own name");
     }
   }
   return absl::OkStatus();

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "apps/report/number.h"
+#include "apps/report/text.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_fit.h"
 
@@ -96,42 +93,39 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
   result.lambda_star = experiment::Describe(lambda, 0);
 
   const ProcessModel& plant = result.plant;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      ElementErrors errors;
-      errors.true_gain = plant.element(i, j).StaticGain();
-      errors.initial_gain = initial_model.element(i, j).StaticGain();
-      MLE_ASSIGN_OR_RETURN(
-          errors.true_delay,
-          FirstOrderDelay(plant.element(i, j), result.truth, i, j));
-      MLE_ASSIGN_OR_RETURN(
-          errors.initial_delay,
-          FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
-      double end = 0.0, gain = 0.0, delay = 0.0;
-      for (const RunResult& run : result.runs) {
-        const FopdtFit& fit = run.judgement.fopdt[i * plant.num_inputs() + j];
-        end += std::pow(run.judgement.static_gain_error(i, j), 2);
-        gain += std::pow(fit.gain - errors.true_gain, 2);
-        delay += std::pow(fit.delay - errors.true_delay, 2);
-        errors.delay_impulse_peak_mean +=
-            run.judgement.delay_impulse_peak(i, j) /
-            static_cast<double>(result.runs.size());
-      }
-      errors.static_gain_error_rms = RootMeanSquare(end, result.runs.size());
-      errors.fopdt_gain_error_rms = RootMeanSquare(gain, result.runs.size());
-      errors.fopdt_delay_error_rms = RootMeanSquare(delay, result.runs.size());
-      result.elements.push_back(errors);
+  for (const auto& [i, j] : Pairs(plant)) {
+    ElementErrors errors;
+    errors.true_gain = plant.element(i, j).StaticGain();
+    errors.initial_gain = initial_model.element(i, j).StaticGain();
+    MLE_ASSIGN_OR_RETURN(
+        errors.true_delay,
+        FirstOrderDelay(plant.element(i, j), result.truth, i, j));
+    MLE_ASSIGN_OR_RETURN(
+        errors.initial_delay,
+        FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
+    double end = 0.0, gain = 0.0, delay = 0.0;
+    for (const RunResult& run : result.runs) {
+      const FopdtFit& fit = run.judgement.fopdt[i * plant.num_inputs() + j];
+      end += std::pow(run.judgement.static_gain_error(i, j), 2);
+      gain += std::pow(fit.gain - errors.true_gain, 2);
+      delay += std::pow(fit.delay - errors.true_delay, 2);
+      errors.delay_impulse_peak_mean += run.judgement.delay_impulse_peak(i, j) /
+                                        static_cast<double>(result.runs.size());
     }
+    errors.static_gain_error_rms = RootMeanSquare(end, result.runs.size());
+    errors.fopdt_gain_error_rms = RootMeanSquare(gain, result.runs.size());
+    errors.fopdt_delay_error_rms = RootMeanSquare(delay, result.runs.size());
+    result.elements.push_back(errors);
   }
   return absl::OkStatus();
 }
 
 report::Table DistanceTable(const CaseResult& result) {
-  report::Table table;
-  table.caption = absl::StrCat(
-      "Case ", result.name, ": squared distance E of the step responses, ",
-      result.runs.size(), result.runs.size() == 1 ? " seed" : " seeds");
-  table.columns = {{"model", report::Align::kLeft}, {"λ"}};
+  report::Table table{
+      .caption = absl::StrCat(
+          "Case ", result.name, ": squared distance E of the step responses, ",
+          result.runs.size(), result.runs.size() == 1 ? " seed" : " seeds"),
+      .columns = {{"model", report::Align::kLeft}, {"λ"}}};
   const bool several = result.runs.size() > 1;
   if (several) {
     for (const char* name : {"E mean", "best", "worst", "deviation"}) {
@@ -188,16 +182,13 @@ template <typename Cells>
 void AddPairs(const CaseResult& result, const Cells& cells,
               report::Table& table) {
   const ProcessModel& plant = result.plant;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    for (int j = 0; j < plant.num_inputs(); ++j) {
-      std::vector<std::string> row = {NumberedPair(plant, i, j)};
-      for (std::string& cell :
-           cells(result.elements[i * plant.num_inputs() + j],
-                 FindPaperFigure(result, i, j))) {
-        row.push_back(std::move(cell));
-      }
-      table.AddRow(std::move(row));
+  for (const auto& [i, j] : Pairs(plant)) {
+    std::vector<std::string> row = {NumberedPair(plant, i, j)};
+    for (std::string& cell : cells(result.elements[i * plant.num_inputs() + j],
+                                   FindPaperFigure(result, i, j))) {
+      row.push_back(std::move(cell));
     }
+    table.AddRow(std::move(row));
   }
 }
 
@@ -209,14 +200,14 @@ std::string OverSeeds(const CaseResult& result) {
 }  // namespace
 
 report::Table GainTable(const CaseResult& result) {
-  report::Table table;
-  table.caption = absl::StrCat("Case ", result.name, ": corrected gains",
-                               OverSeeds(result));
-  table.columns = {{"output ← input", report::Align::kLeft},
-                   {"before → true"},
-                   {"error, step response"},
-                   {"error, FOPDT fit"},
-                   {"paper"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", result.name, ": corrected gains",
+                              OverSeeds(result)),
+      .columns = {{"output ← input", report::Align::kLeft},
+                  {"before → true"},
+                  {"error, step response"},
+                  {"error, FOPDT fit"},
+                  {"paper"}}};
   AddPairs(
       result,
       [](const ElementErrors& e, const PaperFigure* paper) {
@@ -233,15 +224,14 @@ report::Table GainTable(const CaseResult& result) {
 }
 
 report::Table DelayTable(const CaseResult& result) {
-  report::Table table;
-  table.caption =
-      absl::StrCat("Case ", result.name, ": corrected dead times (",
-                   result.plant.time_unit(), ")", OverSeeds(result));
-  table.columns = {{"output ← input", report::Align::kLeft},
-                   {"before → true"},
-                   {"at impulse peak"},
-                   {"paper, at peak"},
-                   {"error, FOPDT fit"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", result.name, ": corrected dead times (",
+                              result.plant.time_unit(), ")", OverSeeds(result)),
+      .columns = {{"output ← input", report::Align::kLeft},
+                  {"before → true"},
+                  {"at impulse peak"},
+                  {"paper, at peak"},
+                  {"error, FOPDT fit"}}};
   AddPairs(
       result,
       [](const ElementErrors& e, const PaperFigure* paper) {
@@ -318,14 +308,13 @@ std::vector<std::string> AblationRow(const AblationResult& result) {
 }  // namespace
 
 report::Table EstimatorTable(const CaseResult& result, bool with_times) {
-  report::Table table;
-  table.caption =
-      absl::StrCat("Case ", result.name, ": estimators side by side");
-  table.columns = {{"estimator", report::Align::kLeft},
-                   {"runs"},
-                   {"E mean"},
-                   {"E worst"},
-                   {"change proposed"}};
+  report::Table table{.caption = absl::StrCat("Case ", result.name,
+                                              ": estimators side by side"),
+                      .columns = {{"estimator", report::Align::kLeft},
+                                  {"runs"},
+                                  {"E mean"},
+                                  {"E worst"},
+                                  {"change proposed"}}};
   if (with_times) table.columns.push_back({"s a run"});
   // In the order of the first run, which has them all.
   for (const MethodRun& one : result.runs.front().estimators) {
@@ -360,15 +349,15 @@ report::Table AblationTable(const CaseResult& result) {
   for (std::size_t s = 0; s < result.ablations.front().runs.size(); ++s) {
     E.push_back(result.runs[s].E_star);
   }
-  report::Table table;
-  table.caption =
-      absl::StrCat("Case ", result.name, ": one decision taken differently, ",
-                   E.size(), E.size() == 1 ? " seed" : " seeds");
-  table.columns = {{"what differs", report::Align::kLeft},
-                   {"E mean"},
-                   {"E worst"},
-                   {"λ*"},
-                   {"largest duality gap"}};
+  report::Table table{
+      .caption = absl::StrCat("Case ", result.name,
+                              ": one decision taken differently, ", E.size(),
+                              E.size() == 1 ? " seed" : " seeds"),
+      .columns = {{"what differs", report::Align::kLeft},
+                  {"E mean"},
+                  {"E worst"},
+                  {"λ*"},
+                  {"largest duality gap"}}};
   const Distribution method = Describe(E, 0);
   table.AddRow({"nothing", FormatSignificant(method.mean),
                 FormatSignificant(method.max)});

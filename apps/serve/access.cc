@@ -9,7 +9,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "apps/common/sha256.h"
 #include "mle/base/file.h"
@@ -61,10 +60,9 @@ absl::StatusOr<std::string> CheckedToken(absl::string_view text,
   if (token.size() < kLeastToken ||
       !std::all_of(token.begin(), token.end(),
                    [](char c) { return c > ' ' && c < '\x7f'; })) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        from, ": a token has at least ", kLeastToken,
-        " characters, which are letters, digits and signs of ASCII; "
-        "`openssl rand -hex 32` makes one"));
+    return InvalidArgument(from, ": a token has at least ", kLeastToken,
+                           " characters, which are letters, digits and signs "
+                           "of ASCII; `openssl rand -hex 32` makes one");
   }
   return std::string(token);
 }
@@ -120,8 +118,8 @@ absl::StatusOr<std::string> ReadToken(const std::string& file,
   }
   struct stat about = {};
   if (stat(file.c_str(), &about) == 0 && (about.st_mode & S_IRWXO) != 0) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(file, ": others may read the token; chmod o= ", file));
+    return InvalidArgument(file,
+                           ": others may read the token; chmod o= ", file);
   }
   MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file));
   return CheckedToken(text, file);

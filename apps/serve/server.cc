@@ -9,10 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <csignal>
-#include <cstdint>
-#include <mutex>
 #include <thread>
 
 #include "absl/strings/match.h"

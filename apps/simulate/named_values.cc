@@ -1,21 +1,18 @@
-#include "apps/simulate/named_values.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/did_you_mean.h"
 #include "apps/common/option_values.h"
+#include "apps/simulate/request.h"
 #include "mle/base/status.h"
 
 namespace mle::simulate {
 namespace {
 
 absl::Status Wrong(std::string_view flag, const std::string& message) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", std::string(flag), ": ", message));
+  return InvalidArgument("--", std::string(flag), ": ", message);
 }
 
 bool ReadFinite(const std::string& text, double& number) {

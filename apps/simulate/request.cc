@@ -1,14 +1,11 @@
 #include "apps/simulate/request.h"
 
-#include <memory>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
-#include "apps/simulate/condition_options.h"
-#include "apps/simulate/named_values.h"
+#include "apps/common/shared_options.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "sim/ageing_json.h"
 #include "sim/ageing_plant.h"
@@ -19,14 +16,84 @@
 namespace mle::simulate {
 namespace {
 
-constexpr char kReactor[] = "van_de_vusse";
+// The options of mle_simulate for what a plant has to bear.
 
-template <typename Channel>
-std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  for (const Channel& channel : channels) names.push_back(channel.name);
-  return names;
+std::vector<Option> OptionsOf(sim::OutputDisturbanceOptions& options) {
+  return {
+      {"coloured_variance", ForEachOutput(&options.coloured_variance, "0"),
+       "Variance of a coloured disturbance of the outputs: one value, or one "
+       "for each output.",
+       "", kNotNegative},
+      {"coloured_time_constant", &options.coloured_time_constant,
+       "Correlation time of the coloured disturbance.", "min", kPositive},
+      {"drift_variance", ForEachOutput(&options.drift_variance, "0"),
+       "Variance q of the increments per sample of a random-walk disturbance "
+       "of the outputs: one value, or one for each output.",
+       "", kNotNegative},
+      {"disturbance_step_rate", &options.step_rate,
+       "Mean number of step disturbances of an output per unit of time.",
+       "1/min", kNotNegative},
+      {"disturbance_step_deviation",
+       ForEachOutput(&options.step_deviation, "0"),
+       "Standard deviation of a step disturbance: one value, or one for each "
+       "output.",
+       "", kNotNegative},
+  };
 }
+
+// But for their steps, which name inputs.
+std::vector<Option> OptionsOf(sim::InputDisturbanceOptions& options) {
+  return {
+      {"disturbance_variance", ForEachInput(&options.variance, "0"),
+       "Variance of coloured noise on the inputs with the role of "
+       "disturbances: one value, or one for each input of the model.",
+       "", kNotNegative},
+      {"disturbance_time_constant", &options.time_constant,
+       "Correlation time of that noise on the inputs.", "min", kPositive},
+  };
+}
+
+std::vector<Option> OptionsOf(sim::ValveLimits& limits) {
+  return {
+      {"valve_min", LimitOfEachInput(&limits.min, -kInfinity),
+       "Lower limits of the plant's valves, which the controller does not "
+       "know; as --min_input."},
+      {"valve_max", LimitOfEachInput(&limits.max, kInfinity),
+       "Upper limits of the plant's valves, as --valve_min."},
+  };
+}
+
+std::vector<Option> OptionsOf(sim::MeasurementFaultOptions& options) {
+  return {
+      {"outlier_probability", &options.outlier_probability,
+       "Probability that a measured sample of an output is an outlier.", "",
+       kShare},
+      {"outlier_size", ForEachOutput(&options.outlier_size, "0"),
+       "Largest outlier; the size of an outlier is uniform between a fifth of "
+       "this value and this value. One value, or one for each output.",
+       "", kNotNegative},
+      {"quantum", ForEachOutput(&options.quantum, "0"),
+       "Quantum of the measured outputs; 0: no rounding. One value, or one for "
+       "each output.",
+       "", kNotNegative},
+      {"freeze_rate", &options.freeze_rate,
+       "Mean number of times a measured output freezes per unit of time.",
+       "1/min", kNotNegative},
+      {"freeze_duration", &options.freeze_duration,
+       "Mean duration for which a measured output is frozen.", "min",
+       kPositive},
+      {"lost_probability", &options.lost_probability,
+       "Probability that a sample of an output is lost.", "", kShare},
+      {"lost_input_probability", &options.lost_input_probability,
+       "Probability that a sample of an input is lost in the record.", "",
+       kShare},
+      {"faults_only_in_record", &options.only_in_record,
+       "Outliers, rounding, frozen and lost samples occur in the historian; "
+       "the controller receives the measurements without these faults."},
+  };
+}
+
+constexpr char kReactor[] = "van_de_vusse";
 
 std::vector<Option> PlantOptions(Request& request) {
   return {
@@ -76,18 +143,19 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
   }
   sim::VanDeVusseOptions reactor{.feed = operating[0], .heat = operating[1]};
   if (!request.ageing_path.empty()) {
-    absl::StatusOr<sim::ReactorAgeing> ageing =
-        sim::ReadReactorAgeing(request.ageing_path);
-    if (!ageing.ok()) return AboutOption("ageing", ageing.status());
-    reactor.activity = std::move(ageing->activity);
-    reactor.heat_transfer = std::move(ageing->heat_transfer);
+    MLE_ASSIGN_OR_RETURN(
+        sim::ReactorAgeing ageing,
+        AboutOption("ageing", sim::ReadReactorAgeing(request.ageing_path)));
+    reactor.activity = std::move(ageing.activity);
+    reactor.heat_transfer = std::move(ageing.heat_transfer);
   }
-  absl::StatusOr<sim::ContinuousSystem> system =
-      sim::MakeVanDeVusseReactor(reactor, request.age);
-  if (!system.ok()) return AboutOption("operating_inputs", system.status());
+  MLE_ASSIGN_OR_RETURN(
+      sim::ContinuousSystem system,
+      AboutOption("operating_inputs",
+                  sim::MakeVanDeVusseReactor(reactor, request.age)));
   MLE_ASSIGN_OR_RETURN(sim::ContinuousPlant plant,
                        sim::ContinuousPlant::Create(
-                           *std::move(system),
+                           std::move(system),
                            {.sample_time = request.simulation.loop.sample_time,
                             .start_time = request.age}));
   return std::make_unique<sim::ContinuousPlant>(std::move(plant));
@@ -108,10 +176,9 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(
   }
   sim::AgeingSchedule ageing;
   if (!request.ageing_path.empty()) {
-    absl::StatusOr<sim::AgeingSchedule> read =
-        sim::ReadAgeingSchedule(request.ageing_path, plant);
-    if (!read.ok()) return AboutOption("ageing", read.status());
-    ageing = *std::move(read);
+    MLE_ASSIGN_OR_RETURN(
+        ageing, AboutOption("ageing", sim::ReadAgeingSchedule(
+                                          request.ageing_path, plant)));
   }
   MLE_ASSIGN_OR_RETURN(sim::AgeingPlant ageing_plant,
                        sim::AgeingPlant::Create(
@@ -128,10 +195,10 @@ absl::Status ReadSteps(const Request& request, Simulation& simulation) {
                                        NamesOf(model.outputs())));
   for (const NamedStep& step : set_points) {
     if (!(step.time <= simulation.loop.duration)) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "--setpoints: a step of '", model.outputs()[step.channel].name,
           "' at ", step.time, " comes after the end of the run, --duration=",
-          simulation.loop.duration));
+          simulation.loop.duration);
     }
     simulation.set_points.steps.push_back(
         {step.channel, step.time, step.value});
@@ -148,14 +215,15 @@ absl::Status ReadSteps(const Request& request, Simulation& simulation) {
 
 absl::Status ReadEffects(const Request& request, Simulation& simulation) {
   if (request.effects_path.empty()) return absl::OkStatus();
-  const absl::StatusOr<sim::Effects> effects =
-      sim::ReadEffects(request.effects_path, simulation.model);
-  if (!effects.ok()) return AboutOption("effects", effects.status());
-  effects->AddTo(simulation.conditions);
+  MLE_ASSIGN_OR_RETURN(
+      const sim::Effects effects,
+      AboutOption("effects",
+                  sim::ReadEffects(request.effects_path, simulation.model)));
+  effects.AddTo(simulation.conditions);
   const sim::ClosedLoopOptions& loop = simulation.loop;
-  const absl::Status added = effects->AddTo(
-      simulation.set_points, loop.duration, loop.seed, loop.stream);
-  return added.ok() ? added : AboutOption("effects", added);
+  return AboutOption(
+      "effects", effects.AddTo(simulation.set_points, loop.duration, loop.seed,
+                               loop.stream));
 }
 
 }  // namespace

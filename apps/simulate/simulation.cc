@@ -1,9 +1,7 @@
-#include "apps/simulate/simulation.h"
-
-#include <algorithm>
 #include <vector>
 
 #include "Eigen/Core"
+#include "apps/simulate/request.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"

@@ -1,5 +1,3 @@
-#include "apps/watch/ageing_cost.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -7,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/report/number.h"
-#include "apps/watch/change_text.h"
+#include "apps/report/text.h"
+#include "apps/watch/health.h"
 #include "apps/watch/source.h"
 #include "control/expected_operation.h"
 #include "control/mpc.h"
@@ -283,8 +281,8 @@ std::string WhyNot(const ProcessModel& model, const Watch& watch,
     if (model.inputs()[known.input].role == InputRole::kDisturbance) {
       return absl::StrCat(
           "Cannot tell what ageing costs: ", model.inputs()[known.input].name,
-          " is a measured disturbance, and how it moves is not "
-          "in the reference.");
+          " is a measured disturbance, and how it moves is not in the "
+          "reference.");
     }
   }
   const double periods = controller.tuning->control_period / watch.sample_time;

@@ -5,7 +5,6 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
@@ -13,10 +12,9 @@
 #include "apps/report/process.h"
 #include "apps/report/text.h"
 #include "apps/serve/post.h"
-#include "apps/watch/days.h"
+#include "apps/watch/source.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
-#include "nlohmann/json.hpp"
 
 namespace mle::watch {
 namespace {
@@ -55,30 +53,26 @@ absl::Status HandOn(const AlarmTargets& targets, const PendingAlarm& pending) {
   return absl::InternalError("no such channel");
 }
 
-bool IsUsed(const AlarmTargets& targets, Channel channel) {
+// The value of the channel's flag; empty: the channel is not used.
+std::string TargetOf(const AlarmTargets& targets, Channel channel) {
   switch (channel) {
     case Channel::kCommand:
-      return !targets.command.empty();
+      return targets.command;
     case Channel::kMail:
-      return !targets.mail_addresses.empty();
+      return absl::StrJoin(targets.mail_addresses, ",");
     case Channel::kWebhook:
-      return !targets.webhook.empty();
+      return targets.webhook;
   }
-  return false;
+  return "";
 }
 
 // The flag; a web address may be secret.
 std::string OptionOfChannel(const AlarmTargets& targets, Channel channel) {
-  switch (channel) {
-    case Channel::kCommand:
-      return absl::StrCat("--alarm_command=", targets.command);
-    case Channel::kMail:
-      return absl::StrCat("--alarm_mail=",
-                          absl::StrJoin(targets.mail_addresses, ","));
-    case Channel::kWebhook:
-      return "--alarm_webhook";
-  }
-  return "";
+  const std::string flag =
+      absl::StrCat("--alarm_", std::string(NameOf(channel)));
+  return channel == Channel::kWebhook
+             ? flag
+             : absl::StrCat(flag, "=", TargetOf(targets, channel));
 }
 
 // A sentence about the first failure; empty without one.
@@ -126,25 +120,23 @@ bool IsMailAddress(std::string_view text) {
 absl::Status CheckTargets(const AlarmTargets& targets) {
   for (const std::string& address : targets.mail_addresses) {
     if (!IsMailAddress(address)) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "--alarm_mail: '", report::CleanText(address),
           "' is not an address as engineer@plant.example; several are "
-          "separated by commas"));
+          "separated by commas");
     }
   }
   if (targets.webhook.empty()) return absl::OkStatus();
   const absl::Status status = serve::CheckUrl(targets.webhook);
   return status.ok() ? status
-                     : absl::InvalidArgumentError(
-                           absl::StrCat("--alarm_webhook ", status.message()));
+                     : InvalidArgument("--alarm_webhook ", status.message());
 }
 
 absl::StatusOr<std::vector<std::string>> HandOnAlarms(
     const AlarmTargets& targets, State& state) {
   std::vector<std::string> faults;
-  for (const Channel channel :
-       {Channel::kCommand, Channel::kMail, Channel::kWebhook}) {
-    if (!IsUsed(targets, channel)) continue;
+  for (const Channel channel : kChannels) {
+    if (TargetOf(targets, channel).empty()) continue;
     MLE_ASSIGN_OR_RETURN(std::string fault,
                          HandOnThrough(targets, channel, state));
     if (!fault.empty()) faults.push_back(std::move(fault));

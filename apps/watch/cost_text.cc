@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
-#include "apps/watch/ageing_cost.h"
-#include "apps/watch/days.h"
+#include "apps/report/text.h"
+#include "apps/watch/health.h"
+#include "apps/watch/source.h"
 
 namespace mle::watch {
 namespace {
@@ -23,17 +23,9 @@ std::string WithCurrency(const AgeingCost& cost, double amount) {
 }  // namespace
 
 std::string_view NameOf(AgeingCost::State state) {
-  switch (state) {
-    case CostState::kNotAsked:
-      return "not_asked";
-    case CostState::kCannotTell:
-      return "cannot_tell";
-    case CostState::kNothingAged:
-      return "nothing_aged";
-    case CostState::kTold:
-      return "told";
-  }
-  return "";
+  constexpr std::string_view kNames[] = {"not_asked", "cannot_tell",
+                                         "nothing_aged", "told"};
+  return kNames[static_cast<int>(state)];
 }
 
 std::string CostInterval(const CourseEstimate& cost) {

@@ -1,12 +1,10 @@
-#include "apps/watch/days.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "absl/strings/escaping.h"
-#include "absl/strings/string_view.h"
 #include "apps/common/sha256.h"
+#include "apps/watch/source.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "apps/watch/days.h"
+#include "apps/watch/source.h"
 #include "apps/watch/update.h"
 
 namespace mle::watch {
@@ -83,28 +83,13 @@ std::string SentenceOf(const Report& report) {
 }  // namespace
 
 std::string_view NameOf(Status status) {
-  switch (status) {
-    case Status::kFailed:
-      return "failed";
-    case Status::kLearning:
-      return "learning";
-    case Status::kAged:
-      return "aged";
-    case Status::kCannotTell:
-      return "cannot_tell";
-    case Status::kHealthy:
-      return "healthy";
-  }
-  return "";
+  constexpr std::string_view kNames[] = {"failed", "learning", "aged",
+                                         "cannot_tell", "healthy"};
+  return kNames[static_cast<int>(status)];
 }
 
 std::string_view WordsFor(Status status) {
-  switch (status) {
-    case Status::kCannotTell:
-      return "cannot tell";
-    default:
-      return NameOf(status);
-  }
+  return status == Status::kCannotTell ? "cannot tell" : NameOf(status);
 }
 
 Report MakeReport(const Controller& controller, const ProcessModel& model,

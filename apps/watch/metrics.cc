@@ -1,11 +1,10 @@
-#include "apps/watch/metrics.h"
-
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "apps/common/option_table.h"
 #include "apps/report/text.h"
+#include "apps/watch/report.h"
 #include "apps/watch/source.h"
 
 namespace mle::watch {
@@ -100,8 +99,7 @@ void AddAlarmMetrics(const std::vector<Report>& reports, Metrics& metrics) {
   }
   metrics.Begin("undelivered_alarms",
                 "Alarms that a channel has not taken yet.");
-  for (const Channel channel :
-       {Channel::kCommand, Channel::kMail, Channel::kWebhook}) {
+  for (const Channel channel : kChannels) {
     int count = 0;
     for (const Report& report : reports) {
       for (const Alarm& alarm : report.watch->alarms) {

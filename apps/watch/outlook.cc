@@ -1,12 +1,10 @@
 #include "apps/watch/outlook.h"
 
-#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/report/number.h"
-#include "apps/watch/change_text.h"
+#include "apps/report/text.h"
 #include "apps/watch/update.h"
 #include "mle/monitor/model_watch.h"
 
@@ -188,8 +186,8 @@ std::string TrendText(const ProcessModel& model, int output,
                  ? absl::StrCat("No trend: ", parameter, " has changed by ",
                                 so_far, " and stands still since.")
                  : absl::StrCat(
-                       "No trend: no gain of its elements changes by "
-                       "more than ",
+                       "No trend: no gain of its elements changes by more "
+                       "than ",
                        Percent(course.largest_gain_rate), " % a month.");
     case CourseState::kWhichElement:
       return absl::StrFormat(
@@ -250,6 +248,21 @@ std::string NextChangeText(const ProcessModel& model,
     }
   }
   return "";
+}
+
+const char* ParameterName(int parameter) {
+  constexpr const char* kNames[] = {"gain", "time constant", "dead time"};
+  return kNames[parameter];
+}
+
+const char* ParameterKey(int parameter) {
+  constexpr const char* kKeys[] = {"gain", "time_constant", "dead_time"};
+  return kKeys[parameter];
+}
+
+std::string Signed(double value, int decimals) {
+  return absl::StrCat(value > 0.0 ? "+" : "",
+                      report::FormatFixed(value, decimals));
 }
 
 }  // namespace mle::watch

@@ -61,6 +61,16 @@ std::string TrendText(const ProcessModel& model, int output,
 std::string NextChangeText(const ProcessModel& model,
                            const ProposedChange& proposed);
 
+// Parameters of an element: 0 its gain, 1 its time constant, and this.
+inline constexpr int kDeadTime = 2;
+
+// "gain", "time constant", "dead time"; with underscores for programs.
+const char* ParameterName(int parameter);
+const char* ParameterKey(int parameter);
+
+// "+0.42", "−1.90".
+std::string Signed(double value, int decimals);
+
 }  // namespace mle::watch
 
 #endif  // APPS_WATCH_OUTLOOK_H_

@@ -7,10 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/report/html.h"
-#include "apps/report/number.h"
 #include "apps/report/table.h"
-#include "apps/watch/days.h"
-#include "apps/watch/page.h"
+#include "apps/report/text.h"
+#include "apps/watch/report.h"
+#include "apps/watch/source.h"
 
 namespace mle::watch {
 namespace {
@@ -93,9 +93,10 @@ void AddAlarmSentences(const std::vector<Report>& reports,
   for (const Report& report : reports) {
     open += CountOpen(report.watch->alarms);
     for (const Alarm& alarm : report.watch->alarms) {
-      undelivered += IsUndelivered(alarm, Channel::kCommand) ||
-                             IsUndelivered(alarm, Channel::kMail) ||
-                             IsUndelivered(alarm, Channel::kWebhook)
+      undelivered += std::any_of(std::begin(kChannels), std::end(kChannels),
+                                 [&](Channel channel) {
+                                   return IsUndelivered(alarm, channel);
+                                 })
                          ? 1
                          : 0;
     }

@@ -1,24 +1,19 @@
-#include "apps/watch/page.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
-#include "apps/report/number.h"
 #include "apps/report/table.h"
-#include "apps/watch/change_text.h"
-#include "apps/watch/days.h"
-#include "apps/watch/health.h"
-#include "apps/watch/proposal.h"
+#include "apps/report/text.h"
+#include "apps/watch/outlook.h"
+#include "apps/watch/report.h"
 #include "apps/watch/source.h"
+#include "apps/watch/update.h"
 
 namespace mle::watch {
 namespace {
@@ -196,8 +191,8 @@ void AddProposals(const Report& report, const std::string& folder,
   page.AddHeading("Corrections");
   page.AddParagraph(
       "Run on the records since the change most likely began, of 60 days at "
-      "most. Nothing is written to a "
-      "controller: whether a correction is taken is for an engineer to say.");
+      "most. Nothing is written to a controller: whether a correction is taken "
+      "is for an engineer to say.");
   for (const Proposal& proposal : report.watch->proposals) {
     page.AddParagraph(absl::StrCat(NameOfDay(proposal.day), ": ",
                                    proposal.decision, ". ",
@@ -296,12 +291,10 @@ std::string FormatControllerPage(const Report& report,
 
 const char* const kMeaning =
     "Health is the probability that nothing has changed, on a scale on which "
-    "an "
-    "alarm is raised at one half; it is near 1 without evidence. The "
+    "an alarm is raised at one half; it is near 1 without evidence. The "
     "probability of ever raising a false alarm on a model that does not change "
     "is at most the level of its controller (5 % unless the list of "
-    "controllers "
-    "says otherwise), however often it is looked at.";
+    "controllers says otherwise), however often it is looked at.";
 
 std::string LastDayOf(const Report& report) {
   return report.last_day == 0 ? "–" : NameOfDay(report.last_day);

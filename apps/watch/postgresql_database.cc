@@ -238,10 +238,9 @@ absl::StatusOr<std::unique_ptr<Database>> OpenPostgresqlState(
     const std::string& uri) {
   MLE_ASSIGN_OR_RETURN(const DatabaseName name, ParseDatabaseName(uri));
   if (name.kind != DatabaseKind::kPostgresql) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state: ", uri,
-                     " is not a file or a database of PostgreSQL "
-                     "(postgresql://USER@HOST/NAME)"));
+    return InvalidArgument("state: ", uri,
+                           " is not a file or a database of PostgreSQL "
+                           "(postgresql://USER@HOST/NAME)");
   }
   MLE_ASSIGN_OR_RETURN(const std::string parameters,
                        PostgresqlParameters(name.place, ""));

@@ -1,10 +1,7 @@
-#include "apps/watch/proposal.h"
-
 #include <fcntl.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -16,15 +13,14 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
-#include "apps/common/run_again.h"
-#include "apps/correct/outputs.h"
+#include "apps/correct/report.h"
 #include "apps/correct/request.h"
 #include "apps/correct/result.h"
-#include "apps/correct/result_files.h"
 #include "apps/report/text.h"
-#include "apps/watch/days.h"
 #include "apps/watch/source.h"
+#include "apps/watch/update.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 

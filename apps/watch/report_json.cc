@@ -1,16 +1,13 @@
-#include "apps/watch/report_json.h"
-
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
 
-#include "apps/common/command_line.h"
-#include "apps/watch/change_text.h"
-#include "apps/watch/days.h"
-#include "apps/watch/page.h"
-#include "apps/watch/proposal.h"
+#include "apps/watch/outlook.h"
+#include "apps/watch/report.h"
 #include "apps/watch/source.h"
+#include "apps/watch/update.h"
+#include "mle/base/version.h"
 #include "mle/data/civil_time.h"
 #include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
@@ -211,7 +208,7 @@ std::string FormatReports(const std::vector<Report>& reports) {
   }
   return FormatJson({{"version", 1},
                      {"program", "mle_watch"},
-                     {"program_version", std::string(Version())},
+                     {"program_version", std::string(LibraryVersion())},
                      {"controllers", std::move(controllers)}});
 }
 

@@ -5,7 +5,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/model_files.h"
 #include "mle/base/status.h"
 
 namespace mle::watch {
@@ -123,11 +122,9 @@ absl::Status Complete(Request& request) {
     return absl::InvalidArgumentError(
         "--controllers=FILE.json must be given (see --help)");
   }
-  absl::StatusOr<std::vector<Controller>> controllers =
-      ReadWatchFile(request.watch_path);
-  if (!controllers.ok())
-    return AboutOption("controllers", controllers.status());
-  request.controllers = *std::move(controllers);
+  MLE_ASSIGN_OR_RETURN(
+      request.controllers,
+      AboutOption("controllers", ReadWatchFile(request.watch_path)));
   std::erase_if(request.controllers, [&request](const Controller& controller) {
     return !request.part.Has(controller.name);
   });

@@ -1,5 +1,3 @@
-#include "apps/watch/routes.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,15 +17,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
-#include "absl/time/clock.h"
 #include "apps/common/sha256.h"
 #include "apps/report/html.h"
 #include "apps/report/text.h"
-#include "apps/serve/server.h"
-#include "apps/watch/page.h"
-#include "apps/watch/report_json.h"
+#include "apps/watch/report.h"
+#include "apps/watch/site.h"
 #include "apps/watch/source.h"
 #include "mle/base/absl_view.h"
+#include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/time_format.h"
 #include "mle/model/json_text.h"
@@ -197,8 +194,8 @@ absl::StatusOr<int> DayFrom(const serve::Request& request,
   const auto civil =
       ReadCivilTime(absl::StrCat(text, "T00:00:00"), FormOf(TimeFormat::kIso));
   if (text.size() != 10 || !civil.has_value()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        name, "=", report::CleanText(text), " is not a day as 2024-02-29"));
+    return InvalidArgument(name, "=", report::CleanText(text),
+                           " is not a day as 2024-02-29");
   }
   return static_cast<int>(SecondsSinceEpoch(*civil) / kSecondsOfDay);
 }

@@ -5,14 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <system_error>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "apps/watch/metrics.h"
-#include "apps/watch/page.h"
-#include "apps/watch/proposal.h"
-#include "apps/watch/report_json.h"
+#include "apps/watch/report.h"
 #include "apps/watch/update.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"

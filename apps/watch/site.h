@@ -24,6 +24,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "apps/serve/access.h"
+#include "apps/serve/server.h"
 #include "apps/watch/health.h"
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
@@ -121,6 +123,22 @@ class Site {
   std::list<Kept> kept_;  // the last used first
   std::size_t kept_bytes_ = 0;
 };
+
+// The routes of the watch's server (docs/watch.md):
+//
+//   GET  /, /alarms.html, /controller-ID.html    the pages
+//   GET  /proposals/ID/DAY/FILE                  of corrections
+//   GET  /watch.json, /metrics
+//   GET  /api/v1/controllers[?status=…&search=…]
+//   GET  /api/v1/controllers/ID
+//   GET  /api/v1/controllers/ID/history[?from=DAY&to=DAY]
+//   GET  /api/v1/alarms[?open=true]
+//   POST /api/v1/alarms/ID/acknowledgement       {"who": …, "note": …}
+//   POST /acknowledge                            the same from a page's form
+
+// Called by many threads at once.
+serve::Response Answer(Site& site, const serve::Access& access,
+                       const serve::Request& request);
 
 }  // namespace mle::watch
 

@@ -34,9 +34,8 @@ bool IsExport(const std::string& name) {
 
 absl::Status WrongFolder(const std::string& folder,
                          const std::error_code& error) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("records: ", folder, ": ", error.message(),
-                   "; it must be a folder of CSV files"));
+  return InvalidArgument("records: ", folder, ": ", error.message(),
+                         "; it must be a folder of CSV files");
 }
 
 // Reads all of `paths`; those that cannot be read get a fault.
@@ -240,9 +239,8 @@ absl::StatusOr<std::optional<NewRecords>> ReadNewRows(
 absl::StatusOr<double> SecondsOf(const ProcessModel& model) {
   const std::optional<double> seconds = SecondsPerUnit(model.time_unit());
   if (seconds.has_value()) return *seconds;
-  return absl::InvalidArgumentError(
-      absl::StrCat("model: its time unit is \"", model.time_unit(),
-                   "\"; s, min, h or d is needed to tell days"));
+  return InvalidArgument("model: its time unit is \"", model.time_unit(),
+                         "\"; s, min, h or d is needed to tell days");
 }
 
 absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,

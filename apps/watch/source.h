@@ -23,6 +23,7 @@
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
+#include "mle/monitor/model_watch.h"
 
 namespace mle::watch {
 
@@ -80,6 +81,22 @@ absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,
 std::vector<std::string> SourcesBetween(const Controller& controller,
                                         const Watch& watch, double from,
                                         double to, HistorianOptions& options);
+
+// Records cut into days, as batches of the watch.
+
+// Days since 1970 with samples that are over: the records go on until their
+// end.
+std::vector<int> ClosedDays(const DatedRecords& data);
+
+// The day with the `lead` samples before it, as far as there are any; what is
+// missing is NaN. Without samples the record is empty.
+WatchBatch DayOf(const DatedRecords& data, int day, int lead);
+
+// The first 16 bytes of the SHA-256 of all samples.
+std::string ChecksumOf(const WatchBatch& batch);
+
+// "2024-02-29".
+std::string NameOfDay(int day);
 
 }  // namespace mle::watch
 

@@ -155,9 +155,9 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqliteState(
       nullptr);
   auto database = std::make_unique<SqliteDatabase>(opened);
   if (code != SQLITE_OK) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "state: ", path, ": ",
-        opened == nullptr ? "out of memory" : sqlite3_errmsg(opened)));
+        opened == nullptr ? "out of memory" : sqlite3_errmsg(opened));
   }
   sqlite3_busy_timeout(opened, kBusyMilliseconds);
   // The schema of a damaged or replaced file is not trusted.

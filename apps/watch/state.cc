@@ -1,8 +1,5 @@
 #include "apps/watch/state.h"
 
-#include <cstdint>
-#include <utility>
-
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 

@@ -68,6 +68,8 @@ struct StoredBatch {
 
 // How alarms leave the machine.
 enum class Channel { kCommand, kMail, kWebhook };
+inline constexpr Channel kChannels[] = {Channel::kCommand, Channel::kMail,
+                                        Channel::kWebhook};
 
 // "command", "mail", "webhook".
 std::string_view NameOf(Channel channel);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -14,9 +13,6 @@
 
 namespace mle::watch {
 namespace {
-
-constexpr Channel kChannels[] = {Channel::kCommand, Channel::kMail,
-                                 Channel::kWebhook};
 
 constexpr std::size_t kMostName = 200;   // bytes
 constexpr std::size_t kMostNote = 1000;  // bytes
@@ -34,26 +30,18 @@ absl::StatusOr<Acknowledgement> MakeAcknowledgement(const std::string& who,
                           .at = absl::ToUnixSeconds(absl::Now()),
                           .note = CleanPart(note)};
   if (made.who.empty() || made.who.size() > kMostName) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "who acknowledges must be given, in at most ", kMostName, " bytes"));
+    return InvalidArgument("who acknowledges must be given, in at most ",
+                           kMostName, " bytes");
   }
   if (made.note.size() > kMostNote) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the note has at most ", kMostNote, " bytes"));
+    return InvalidArgument("the note has at most ", kMostNote, " bytes");
   }
   return made;
 }
 
 std::string_view NameOf(Channel channel) {
-  switch (channel) {
-    case Channel::kCommand:
-      return "command";
-    case Channel::kMail:
-      return "mail";
-    case Channel::kWebhook:
-      return "webhook";
-  }
-  return "";
+  constexpr std::string_view kNames[] = {"command", "mail", "webhook"};
+  return kNames[static_cast<int>(channel)];
 }
 
 int CountOpen(const std::vector<Alarm>& alarms) {
@@ -175,9 +163,8 @@ absl::StatusOr<std::string> State::FindAlarm(const std::string& beginning) {
                      "'; the pages and watch.json have the ids"));
   }
   if (found.size() > 1) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the ids of several alarms begin with '", beginning,
-                     "'; give more of it"));
+    return InvalidArgument("the ids of several alarms begin with '", beginning,
+                           "'; give more of it");
   }
   return found.front().Text(0);
 }

@@ -1,7 +1,6 @@
 // How a watch is written back: what differs from what is there.
 
 #include <cstdint>
-#include <utility>
 
 #include "apps/watch/state.h"
 #include "mle/base/status.h"

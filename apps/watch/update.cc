@@ -10,9 +10,8 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/option_table.h"
 #include "apps/common/sha256.h"
-#include "apps/report/number.h"
-#include "apps/watch/change_text.h"
-#include "apps/watch/days.h"
+#include "apps/report/text.h"
+#include "apps/watch/outlook.h"
 #include "apps/watch/source.h"
 #include "mle/base/status.h"
 
@@ -231,8 +230,7 @@ absl::Status Update::Run() {
   }
   if (late_days_ > 0) {
     Tell(absl::StrCat(late_days_,
-                      " days whose records came or were changed "
-                      "more than ",
+                      " days whose records came or were changed more than ",
                       kLatest, " days late are not looked at again."));
   }
   // Until there is a reference everything is read again.

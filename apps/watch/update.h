@@ -5,12 +5,11 @@
 #define APPS_WATCH_UPDATE_H_
 
 #include <string>
-#include <vector>
 
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
+#include "mle/exchange/model_file.h"
 #include "mle/model/process_model.h"
 #include "mle/monitor/model_watch.h"
 
@@ -34,6 +33,25 @@ absl::Status UpdateWatch(const Controller& controller,
 std::string Describe(const ProcessModel& model, int output,
                      const LikelyChange& likely, const std::string& since,
                      double delay_unit);
+
+// The correction that is run when the evidence suffices, and kept as a
+// proposal: nothing is ever written to a controller.
+
+// Whether there is an alarm, and no proposal for it, or one that could not tell
+// and is two weeks old.
+bool NeedsProposal(const Watch& watch);
+
+// Corrects the model by the records since the change most likely began, of 60
+// days at most (CorrectFromData()), writes what mle_correct writes into
+// FOLDER/<name of the file for the controller>/<day>, whole or not at all, and
+// adds what came of it to the watch. A correction that fails, or takes longer
+// than an hour, is a proposal that says so.
+void MakeProposal(const Controller& controller, const ModelFile& model,
+                  const std::string& folder, Watch& watch);
+
+// A name for files of the controller: letters, digits and hyphens stay, all
+// else becomes _ and two hexadecimal digits.
+std::string FileNameOf(const std::string& controller);
 
 }  // namespace mle::watch
 

@@ -8,9 +8,8 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/controller_options.h"
 #include "apps/common/option_json.h"
-#include "apps/common/price_options.h"
+#include "apps/common/shared_options.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
@@ -96,15 +95,14 @@ absl::Status ReadRecords(const JsonNode& node,
         "a driver or source of ODBC is named as in odbcinst.ini or odbc.ini, "
         "not by a path");
   }
-  const absl::Status status =
+  MLE_RETURN_IF_ERROR(node.Check(
       RecordSources({controller.records}, database, HistorianOptions())
-          .status();
-  if (!status.ok()) return node.Fault(std::string(status.message()));
+          .status()));
   if (!database.query.empty() &&
       database.query.find(kBeginPlace) == std::string::npos) {
-    return node.At("query").Fault(absl::StrCat(
+    return node.At("query").Fault(
         "it must have ", kBeginPlace, " in it, as in WHERE time >= '",
-        kBeginPlace, "': a run reads what is new, not the whole table"));
+        kBeginPlace, "': a run reads what is new, not the whole table");
   }
   return absl::OkStatus();
 }
@@ -127,9 +125,9 @@ absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
         "",
         {.min = 0.0, .max = kMostOperatingHours, .open_min = true}}});
   MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"price_engineer_hour"}, options));
-  if (const absl::Status status = CheckCurrency(valuation.currency);
-      !status.ok()) {
-    return node.At("currency").Fault(std::string(status.message()));
+  if (node.Has("currency")) {
+    MLE_RETURN_IF_ERROR(
+        node.At("currency").Check(CheckCurrency(valuation.currency)));
   }
   control::Prices& prices = valuation.prices;
   // Without this price nothing is a violation, and the reverse.
@@ -162,9 +160,9 @@ absl::Status ReadTuning(const JsonNode& node, control::MpcOptions& tuning) {
     return absl::OkStatus();
   }
   return node.At("control_horizon")
-      .Fault(absl::StrCat("is ", tuning.control_horizon,
-                          "; it must be at most prediction_horizon, ",
-                          tuning.prediction_horizon));
+      .Fault("is ", tuning.control_horizon,
+             "; it must be at most prediction_horizon, ",
+             tuning.prediction_horizon);
 }
 
 absl::Status FitValues(const std::string& key, int channels,
@@ -212,9 +210,7 @@ absl::StatusOr<Controller> ParseController(
       ReadNumber(node, "least_change", kAnyNumber, options.least_change));
   MLE_RETURN_IF_ERROR(
       ReadNumber(node, "model_error", kAnyNumber, options.model_error));
-  if (const absl::Status status = options.Validate(); !status.ok()) {
-    return node.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(node.Check(options.Validate()));
   if (node.Has("prices")) {
     MLE_RETURN_IF_ERROR(
         ReadPrices(node.At("prices"), controller.valuation.emplace()));
@@ -245,8 +241,8 @@ absl::StatusOr<std::vector<Controller>> ParseWatchFile(
     MLE_ASSIGN_OR_RETURN(Controller controller,
                          ParseController(node, path, folder));
     if (!names.insert(controller.name).second) {
-      return node.Fault(absl::StrCat("the name ", QuotedJson(controller.name),
-                                     " is duplicated; names must differ"));
+      return node.Fault("the name ", QuotedJson(controller.name),
+                        " is duplicated; names must differ");
     }
     controllers.push_back(std::move(controller));
   }

@@ -12,7 +12,6 @@
 #include "control/mpc_options.h"
 #include "control/operating_cost.h"
 #include "mle/base/double_limits.h"
-#include "mle/data/record_columns.h"
 #include "mle/database/database_options.h"
 #include "mle/model/process_model.h"
 #include "mle/monitor/watch_options.h"

@@ -4,7 +4,6 @@
 
 #include "glog/logging.h"
 #include "mle/monitor/output_scores.h"
-#include "mle/monitor/row_response.h"
 
 namespace mle::benchmarks {
 namespace {

@@ -14,7 +14,6 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
-#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -255,11 +254,11 @@ absl::Status CheckRegularFile(const std::string& path) {
     return ErrnoStatus("cannot open", path);
   }
   if (S_ISREG(info.st_mode)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      "cannot read '", path,
-      S_ISDIR(info.st_mode) ? "': it is a folder, not a file"
-                            : "': it must be a regular file, as it is read "
-                              "twice, or - for standard input"));
+  return InvalidArgument("cannot read '", path,
+                         S_ISDIR(info.st_mode)
+                             ? "': it is a folder, not a file"
+                             : "': it must be a regular file, as it is read "
+                               "twice, or - for standard input");
 }
 
 absl::StatusOr<std::string> ReadFile(const std::string& path) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "mle/base/status.h"
 
 namespace mle {
 
@@ -29,9 +29,9 @@ std::string NumberRange::Describe() const {
 
 absl::Status ValidateSampleTime(std::string_view name, double sample_time) {
   if (kSampleTime.Contains(sample_time)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(std::string(name), " is ", sample_time, ", must be ",
-                   sample_time > 0.0 ? kSampleTime.Describe() : "positive"));
+  return InvalidArgument(
+      std::string(name), " is ", sample_time, ", must be ",
+      sample_time > 0.0 ? kSampleTime.Describe() : "positive");
 }
 
 }  // namespace mle

@@ -3,6 +3,7 @@
 //
 //   MLE_RETURN_IF_ERROR(options.Validate());
 //   MLE_ASSIGN_OR_RETURN(const Record record, ReadRecord(path));
+//   return InvalidArgument("'", name, "' is not known; choose from a and b");
 
 #ifndef MLE_BASE_STATUS_H_
 #define MLE_BASE_STATUS_H_
@@ -11,6 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
 
 #define MLE_RETURN_IF_ERROR(expression)                             \
   do {                                                              \
@@ -30,5 +32,16 @@
   auto statusor = (expression);                                      \
   if (!statusor.ok()) return statusor.status();                      \
   declaration = std::move(statusor).value()
+
+namespace mle {
+
+// InvalidArgument whose message are these parts, one after the other, as of
+// absl::StrCat().
+template <typename... Parts>
+absl::Status InvalidArgument(const Parts&... parts) {
+  return absl::InvalidArgumentError(absl::StrCat(parts...));
+}
+
+}  // namespace mle
 
 #endif  // MLE_BASE_STATUS_H_

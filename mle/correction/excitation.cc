@@ -1,9 +1,7 @@
 #include "mle/correction/excitation.h"
 
 #include <cmath>
-#include <cstdint>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"
@@ -14,9 +12,8 @@ namespace mle {
 absl::Status ExcitationOptions::Validate() const {
   MLE_RETURN_IF_ERROR(ValidateSampling(sample_time, duration));
   if (!(input_variance > 0.0) || !std::isfinite(input_variance)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("input_variance = ", input_variance,
-                     ", but it must be finite and > 0"));
+    return InvalidArgument("input_variance = ", input_variance,
+                           ", but it must be finite and > 0");
   }
   return ValidateNoiseVariance(noise_variance);
 }

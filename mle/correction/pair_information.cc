@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "Eigen/LU"
-#include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
@@ -129,9 +128,9 @@ void DescribeInputs(const std::vector<Record>& windows,
 
 absl::Status InformationOptions::Validate() const {
   if (!(informed > 0.0) || !(weak >= informed)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "information: informed is ", informed, " and weak ", weak,
-        "; they must be positive, and the second not below the first"));
+        "; they must be positive, and the second not below the first");
   }
   return output_error.Validate();
 }
@@ -146,11 +145,9 @@ absl::StatusOr<PairInformation> AssessInformation(
       ComputeOutputErrorLimit(model, windows, noise, options.output_error));
   PairInformation information;
   information.num_inputs = model.num_inputs();
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      information.pairs.push_back(
-          ErrorsOf(limit.element(i, j), limit.covariances[i], j, options));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    information.pairs.push_back(
+        ErrorsOf(limit.element(i, j), limit.covariances[i], j, options));
   }
   DescribeInputs(windows, information);
   return information;

@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "Eigen/Cholesky"
-
 namespace mle {
 namespace {
 

@@ -1,4 +1,4 @@
-// Points in time: calendar and clock, and seconds since 1970. time_pattern.h
+// Points in time: calendar and clock, and seconds since 1970. time_format.h
 // reads them.
 
 #ifndef MLE_DATA_CIVIL_TIME_H_

@@ -23,7 +23,7 @@ enum class TimeFormat {
 
 struct ClockOptions {
   TimeFormat format = TimeFormat::kRecognise;
-  // The pattern of times for kPattern (time_pattern.h).
+  // The pattern of times for kPattern (time_format.h).
   std::string pattern = {};
   // Unit of times that are numbers: ms, s, min, h, d; empty: the model's.
   std::string number_unit = {};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
 #include "mle/data/row_source.h"
 
@@ -27,6 +28,24 @@ absl::StatusOr<char> RecogniseSeparator(std::string_view text,
 // column, if there are both, or only such as may also be thousands ("1,234").
 absl::StatusOr<char> RecogniseDecimal(RowSource& rows,
                                       const std::vector<RecordColumn>& columns);
+
+// Where the header of a file stands: titles above it, rows of units or
+// descriptions below. Internal to mle/data.
+
+// Lines of `head`, what a file begins with, before the one that has most of
+// `names`, where that has two or more; otherwise before the first line of most
+// columns.
+int TitleLines(std::string_view head, const std::vector<std::string>& names);
+
+// False for text in which no line has one of `names` and none has rows of as
+// many fields, with a digit, below it: prose, a script, a list.
+bool LooksLikeTable(std::string_view head,
+                    const std::vector<std::string>& names);
+
+// Rows that have neither a time nor a number, three at most; `rows` stands
+// below the header, whose `columns` are known.
+int UnitRows(RowSource& rows, const std::vector<RecordColumn>& columns,
+             const RecordClock& clock);
 
 }  // namespace mle
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <sstream>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/file_kind.h"
 
@@ -304,9 +304,9 @@ void CsvRows::Unescape(Field& field) {
 
 CsvRows::Scan CsvRows::Fault(std::string_view what) {
   row_line_ = line_;
-  status_ = absl::InvalidArgumentError(
-      absl::StrCat(Place(std::max<int>(1, static_cast<int>(fields_.size()))),
-                   ": ", std::string(what)));
+  status_ =
+      InvalidArgument(Place(std::max<int>(1, static_cast<int>(fields_.size()))),
+                      ": ", std::string(what));
   return Scan::kFault;
 }
 

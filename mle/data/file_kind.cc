@@ -2,7 +2,6 @@
 
 #include <zlib.h>
 
-#include <array>
 #include <utility>
 #include <vector>
 

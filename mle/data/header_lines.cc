@@ -1,9 +1,8 @@
-#include "mle/data/header_lines.h"
-
 #include <algorithm>
 #include <set>
 #include <utility>
 
+#include "mle/data/csv_format.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/nearest_names.h"
 

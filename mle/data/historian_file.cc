@@ -9,8 +9,6 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_format.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/data/csv_rows.h"
-#include "mle/data/header_lines.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
@@ -51,12 +49,12 @@ absl::Status CheckIsTable(const std::string& source, int first_line,
   const auto blank_lines = static_cast<int>(
       std::count(head.begin(), head.begin() + static_cast<int>(text), '\n'));
   head.remove_prefix(text);
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       source, ": line ", first_line + blank_lines,
       ": this is not a table of records: no line has names of columns, "
       "separated by commas, semicolons or tabs, with numbers below them. The "
       "text begins with '",
-      ShowCsvText(head.substr(0, head.find_first_of("\r\n"))), "'"));
+      ShowCsvText(head.substr(0, head.find_first_of("\r\n"))), "'");
 }
 
 bool HasSuffix(const std::string& name,

@@ -6,7 +6,6 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
@@ -277,8 +276,7 @@ absl::Status HistorianImporter::TakeRows(RowStream& rows,
     has_last_ = true;
     last_time_ = report.last_time = row.time;
     if (!TakeRow(row, resampler)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(rows.TimePlace(), TooManySamples()));
+      return InvalidArgument(rows.TimePlace(), TooManySamples());
     }
     MLE_RETURN_IF_ERROR(collector_->status());
     if (report.rows % kRowsOfProgress == 0) {
@@ -407,10 +405,10 @@ absl::StatusOr<HistorianImport> ImportHistorianSources(
       sources.begin(), sources.end(), [&](const HistorianSource& source) {
         return source.name == name && source.is_table;
       });
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, ": ", CsvLineName(2, is_table),
-                   ", column 1: no two samples follow each other without a "
-                   "gap longer than max_gap"));
+  return InvalidArgument(
+      name, ": ", CsvLineName(2, is_table),
+      ", column 1: no two samples follow each other without a "
+      "gap longer than max_gap");
 }
 
 absl::StatusOr<HistorianImport> ImportHistorian(

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <set>
 #include <string>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
+#include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
 #include "mle/data/record_columns.h"
@@ -122,11 +122,11 @@ absl::Status HistorianImporter::CheckChannels() {
     if (!is_there_[v] || good_[v] > 0) continue;
     const ChannelReport& channel = values_[v];
     if (channel.bad.quality == 0) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           probes_[0].source.name, ": column '", ShowCsvText(channel.column),
           "' has no good sample in any row (", channel.bad.empty, " empty, ",
           channel.bad.not_a_number, " NaN, ", channel.bad.declared,
-          " bad values); the channel '", channel.name, "' needs samples"));
+          " bad values); the channel '", channel.name, "' needs samples");
     }
     return OptionError(
         "good_qualities",

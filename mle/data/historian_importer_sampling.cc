@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
 #include "mle/data/sampling.h"
 
@@ -31,11 +30,11 @@ absl::Status HistorianImporter::ChooseSampleTime(
     const std::vector<double>& steps) {
   HistorianReport& report = import_.report;
   if (steps.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         probes_[0].source.name, ": ",
         CsvLineName(2, probes_[0].source.is_table),
         ", column 1: no row is later than the one before it; a record needs at "
-        "least 2 rows at different times"));
+        "least 2 rows at different times");
   }
   report.step = UsualStep(steps);
   report.sample_time = options_.sample_time;
@@ -53,10 +52,10 @@ absl::Status HistorianImporter::ChooseSampleTime(
   }
   MLE_RETURN_IF_ERROR(ChooseStepOfExceptions(steps));
   if (!(report.step <= kMaxRefinement * report.sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         probes_[0].source.name, ": sample_time is ", report.sample_time,
         ", but rows are ", report.step, " apart; it must be at least ",
-        report.step / kMaxRefinement, ", better not below ", report.step));
+        report.step / kMaxRefinement, ", better not below ", report.step);
   }
   max_gap_ = options_.max_gap >= 0.0
                  ? options_.max_gap

@@ -76,9 +76,9 @@ HistorianImporter::MatchTables(const std::vector<Table>& tables) {
         continue;
       }
       if (column.values == nullptr) {
-        return absl::InvalidArgumentError(absl::StrCat(
+        return InvalidArgument(
             table.name, ": column '", ShowCsvText(column.name), "' holds ",
-            column.holds, "; it must hold numbers, with NaN for bad samples"));
+            column.holds, "; it must hold numbers, with NaN for bad samples");
       }
       matched.sources.push_back({&column, match, value});
     }
@@ -111,10 +111,10 @@ absl::Status HistorianImporter::ProbeTables(
     steps.push_back(tables[0].time(0) - tables[0].time(1));
   }
   if (steps.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         tables[0].table->name,
         ": no row is later than the one before it; a record needs at least 2 "
-        "rows at different times"));
+        "rows at different times");
   }
   if (probes_[0].has_dates) {
     import_.report.time_origin = tables[0].origin;
@@ -174,11 +174,11 @@ bool HistorianImporter::TableRows::ReadSample(const MatchedTable::Source& from,
   const bool has_unit = from.match.scale != 1.0 || from.match.offset != 0.0;
   value = has_unit ? from.match.scale * sample + from.match.offset : sample;
   if (std::abs(value) <= kLargestSample) return true;
-  status_ = absl::InvalidArgumentError(
-      absl::StrCat(TimePlace(), ", column '", ShowCsvText(from.column->name),
-                   "': ", sample, " is not a finite number of at most ",
-                   kLargestSample, ", or NaN for a bad sample",
-                   has_unit ? ", once its unit is converted" : ""));
+  status_ =
+      InvalidArgument(TimePlace(), ", column '", ShowCsvText(from.column->name),
+                      "': ", sample, " is not a finite number of at most ",
+                      kLargestSample, ", or NaN for a bad sample",
+                      has_unit ? ", once its unit is converted" : "");
   return false;
 }
 
@@ -210,9 +210,9 @@ absl::StatusOr<HistorianImport> HistorianImporter::Run(
   if (tables[0].has_dates) {
     const auto seconds = SecondsPerUnit(channels_.time_unit());
     if (!seconds) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           tables[0].name, ": its times are dates, but the model's time unit '",
-          channels_.time_unit(), "' is not one of ms, s, min, h and d"));
+          channels_.time_unit(), "' is not one of ms, s, min, h and d");
     }
     seconds_per_unit = *seconds;
   }
@@ -243,29 +243,27 @@ absl::StatusOr<HistorianImport> ImportTables(const std::vector<Table>& tables,
   }
   for (const Table& table : tables) {
     if (table.times.size() < 2) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(table.name, " has ", table.times.size(),
-                       " rows; a record needs at least 2"));
+      return InvalidArgument(table.name, " has ", table.times.size(),
+                             " rows; a record needs at least 2");
     }
     const bool finite =
         std::all_of(table.times.begin(), table.times.end(),
                     [](double time) { return std::isfinite(time); });
     if (!finite) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(table.name, ": a time is missing (NaN or NaT)"));
+      return InvalidArgument(table.name, ": a time is missing (NaN or NaT)");
     }
     if (table.has_dates != tables[0].has_dates) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           table.name, ": its times are ", table.has_dates ? "dates" : "numbers",
-          ", those of ", tables[0].name, " are not; tables must agree"));
+          ", those of ", tables[0].name, " are not; tables must agree");
     }
   }
   MLE_ASSIGN_OR_RETURN(HistorianImport import,
                        HistorianImporter(channels, options).Run(tables));
   if (!import.records.empty()) return import;
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       tables[0].name,
-      ": no two samples follow each other without a gap longer than max_gap"));
+      ": no two samples follow each other without a gap longer than max_gap");
 }
 
 }  // namespace mle

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -181,10 +180,10 @@ absl::Status NoRows(const HistorianSource& source,
                                   rows.passed_over(), " rows is ", range.Text(),
                                   "; begin and end leave nothing to read"));
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat(source.name, ": ", CsvLineName(rows.line(), source.is_table),
-                   ", column 1: there is no row below the header; a record "
-                   "needs samples"));
+  return InvalidArgument(
+      source.name, ": ", CsvLineName(rows.line(), source.is_table),
+      ", column 1: there is no row below the header; a record "
+      "needs samples");
 }
 
 }  // namespace

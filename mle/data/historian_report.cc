@@ -1,6 +1,5 @@
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -14,8 +13,8 @@ namespace {
 
 absl::Status FieldFault(const char* field, const std::string& value,
                         const char* constraint) {
-  return absl::InvalidArgumentError(absl::StrCat(
-      "historian: ", field, " is ", value, ", must be ", constraint));
+  return InvalidArgument("historian: ", field, " is ", value, ", must be ",
+                         constraint);
 }
 
 const char* MarkName(char mark) {

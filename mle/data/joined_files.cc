@@ -8,6 +8,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
@@ -191,10 +192,9 @@ bool JoinedRows::NextRow() {
     const FileColumns& found = (*files_)[file_].found;
     while (rows_->Next(row_)) {
       if (static_cast<int>(row_.size()) <= found.last()) {
-        status_ = absl::InvalidArgumentError(
-            absl::StrCat(rows_->Place(static_cast<int>(row_.size())),
-                         ": the row ends after ", row_.size(),
-                         " fields, it needs ", found.last() + 1));
+        status_ = InvalidArgument(rows_->Place(static_cast<int>(row_.size())),
+                                  ": the row ends after ", row_.size(),
+                                  " fields, it needs ", found.last() + 1);
         return false;
       }
       time_ = std::string(TrimCsvField(row_[found.time]));

@@ -1,12 +1,10 @@
 #include "mle/data/long_table.h"
 
-#include <algorithm>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/option_error.h"
-#include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/nearest_names.h"

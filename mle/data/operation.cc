@@ -134,14 +134,12 @@ std::vector<SplitMoves> FindSplitMoves(const std::vector<Record>& records) {
 std::vector<SamplingRate> FindUnusualSampling(const ProcessModel& model,
                                               double sample_time) {
   std::vector<SamplingRate> all;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const double samples =
-          model.element(i, j).SlowestTimeConstant() / sample_time;
-      if (samples > 0.0 && (samples < kFewestPerTimeConstant ||
-                            samples > kMostPerTimeConstant)) {
-        all.push_back({i, j, samples});
-      }
+  for (const auto& [i, j] : Pairs(model)) {
+    const double samples =
+        model.element(i, j).SlowestTimeConstant() / sample_time;
+    if (samples > 0.0 &&
+        (samples < kFewestPerTimeConstant || samples > kMostPerTimeConstant)) {
+      all.push_back({i, j, samples});
     }
   }
   return all;

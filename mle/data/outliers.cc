@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mle/data/robust_statistics.h"
-
 namespace mle {
 namespace {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 
 #include "absl/strings/str_split.h"
 #include "mle/data/csv_numbers.h"

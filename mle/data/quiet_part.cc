@@ -1,8 +1,8 @@
-#include "mle/data/quiet_part.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "mle/data/set_point_windows.h"
 
 namespace mle {
 namespace {

@@ -20,10 +20,10 @@ absl::Status CheckSizes(const char* kind, const Eigen::MatrixXd& values) {
     for (Eigen::Index i = 0; i < values.rows(); ++i) {
       if (std::isfinite(values(i, k)) &&
           std::abs(values(i, k)) > kLargestSample) {
-        return absl::InvalidArgumentError(absl::StrCat(
-            "record: ", kind, " ", i + 1, " is ", values(i, k), " in sample ",
-            k + 1, "; samples may not exceed ", kLargestSample,
-            ": check units, or make it NaN, a bad sample"));
+        return InvalidArgument("record: ", kind, " ", i + 1, " is ",
+                               values(i, k), " in sample ", k + 1,
+                               "; samples may not exceed ", kLargestSample,
+                               ": check units, or make it NaN, a bad sample");
       }
     }
   }
@@ -35,19 +35,18 @@ absl::Status CheckSizes(const char* kind, const Eigen::MatrixXd& values) {
 absl::Status Record::Validate() const {
   MLE_RETURN_IF_ERROR(ValidateSampleTime("record: sample_time", sample_time));
   if (!std::isfinite(start_time)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("record: start_time is ", start_time, ", must be finite"));
+    return InvalidArgument("record: start_time is ", start_time,
+                           ", must be finite");
   }
   if (inputs.cols() != outputs.cols()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("record: outputs are ", Shape(outputs), ", inputs ",
-                     Shape(inputs), "; the numbers of samples must agree"));
+    return InvalidArgument("record: outputs are ", Shape(outputs), ", inputs ",
+                           Shape(inputs),
+                           "; the numbers of samples must agree");
   }
   if (set_points.size() != 0 && (set_points.rows() != outputs.rows() ||
                                  set_points.cols() != outputs.cols())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("record: set points are ", Shape(set_points), ", must be ",
-                     Shape(outputs), " or empty"));
+    return InvalidArgument("record: set points are ", Shape(set_points),
+                           ", must be ", Shape(outputs), " or empty");
   }
   MLE_RETURN_IF_ERROR(CheckSizes("output", outputs));
   MLE_RETURN_IF_ERROR(CheckSizes("input", inputs));
@@ -82,9 +81,8 @@ std::vector<SetPointChange> FindSetPointChanges(const Record& record) {
 absl::StatusOr<Record> CutWindow(const Record& record, int center,
                                  double before, double after) {
   if (!(before >= 0.0) || !(after >= 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("window: before is ", before, " and after is ", after,
-                     "; neither may be negative"));
+    return InvalidArgument("window: before is ", before, " and after is ",
+                           after, "; neither may be negative");
   }
   const double first = center - std::round(before / record.sample_time);
   const double last = center + std::round(after / record.sample_time);

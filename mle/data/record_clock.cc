@@ -43,10 +43,10 @@ absl::StatusOr<RecordClock> RecordClock::Create(const std::string& model_unit,
   if (clock.has_number_unit_ && options.number_unit != model_unit) {
     const std::optional<double> seconds = SecondsPerUnit(options.number_unit);
     if (!seconds || !clock.seconds_per_unit_) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "times are declared in '", options.number_unit,
           "', and the model's time_unit is '", model_unit,
-          "'; both must be known units of time: ms, s, min, h or d"));
+          "'; both must be known units of time: ms, s, min, h or d");
     }
     clock.number_scale_ = *seconds / *clock.seconds_per_unit_;
   }
@@ -55,9 +55,9 @@ absl::StatusOr<RecordClock> RecordClock::Create(const std::string& model_unit,
     // "libc:localtime" would be whatever zone the machine has.
     if (absl::StartsWith(options.time_zone, "libc:") ||
         !absl::LoadTimeZone(options.time_zone, &zone)) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "there is no time zone '", options.time_zone,
-          "' on this machine; zones have names such as Europe/Berlin or UTC"));
+          "' on this machine; zones have names such as Europe/Berlin or UTC");
     }
     clock.zone_ = zone;
     clock.zone_name_ = options.time_zone;

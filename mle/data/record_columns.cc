@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -13,7 +12,6 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/nearest_names.h"
-#include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {
@@ -43,9 +41,8 @@ absl::StatusOr<ColumnsByName> NameColumns(const ProcessModel& channels,
       column.offset = found->second->offset;
     }
     if (!columns.emplace(column.name, column).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("a column ", QuotedCsvText(column.name),
-                       " would be two channels; map the tags otherwise"));
+      return InvalidArgument("a column ", QuotedCsvText(column.name),
+                             " would be two channels; map the tags otherwise");
     }
   }
   return columns;
@@ -405,20 +402,18 @@ absl::Status ColumnOptions::Validate(const ProcessModel& channels) const {
     const std::string place = absl::StrCat("tag ", QuotedCsvText(tag.tag),
                                            " for ", QuotedCsvText(tag.channel));
     if (free.erase(tag.channel) == 0) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(place,
-                       ": the process model has no such input, output or "
-                       "<output>_setpoint, or it is mapped twice"));
+      return InvalidArgument(place,
+                             ": the process model has no such input, output or "
+                             "<output>_setpoint, or it is mapped twice");
     }
     if (tag.tag.empty()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(place, ": a tag needs a name"));
+      return InvalidArgument(place, ": a tag needs a name");
     }
     if (!std::isfinite(tag.scale) || tag.scale == 0.0 ||
         !std::isfinite(tag.offset)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(place, ": scale is ", tag.scale, " and offset ",
-                       tag.offset, "; both must be finite, the scale not 0"));
+      return InvalidArgument(place, ": scale is ", tag.scale, " and offset ",
+                             tag.offset,
+                             "; both must be finite, the scale not 0");
     }
   }
   return absl::OkStatus();
@@ -458,10 +453,10 @@ absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
   std::set<std::string> names;
   for (const RecordColumn& column : columns) {
     if (names.insert(column.name).second) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "the process model has a channel '", column.name,
         "', which in a record is the name of another column (time, or the set "
-        "point of an output); rename the channel"));
+        "point of an output); rename the channel");
   }
   return columns;
 }

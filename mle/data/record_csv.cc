@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
@@ -21,10 +20,10 @@ absl::Status CheckRecord(const Record& record, const ProcessModel& channels) {
       record.num_inputs() == channels.num_inputs()) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("the record has ", record.num_outputs(), " outputs and ",
-                   record.num_inputs(), " inputs, the process model ",
-                   channels.num_outputs(), " and ", channels.num_inputs()));
+  return InvalidArgument("the record has ", record.num_outputs(),
+                         " outputs and ", record.num_inputs(),
+                         " inputs, the process model ", channels.num_outputs(),
+                         " and ", channels.num_inputs());
 }
 
 // Times as short as they can be written without being others.

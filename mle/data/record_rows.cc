@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdint>
-#include <map>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -19,7 +17,6 @@
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/record.h"
-#include "mle/data/record_columns.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {
@@ -96,10 +93,9 @@ absl::StatusOr<RecordRows> RecordRows::Open(RowSource& csv,
   RecordRows rows(csv, options, clock);
   if (!csv.Next(rows.fields_)) {
     MLE_RETURN_IF_ERROR(csv.status());
-    return absl::InvalidArgumentError(
-        absl::StrCat(csv.source(),
-                     ": line 1, column 1: the file is empty; a "
-                     "record begins with a header"));
+    return InvalidArgument(csv.source(),
+                           ": line 1, column 1: the file is empty; a "
+                           "record begins with a header");
   }
   absl::StatusOr<std::vector<RecordColumn>> columns =
       MatchHeader(rows.fields_, channels, options.columns);

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/status.h"
 
 namespace mle {
 
@@ -14,13 +13,12 @@ LastRowFirst::LastRowFirst(RecordRows& rows, std::int64_t max_rows)
   RecordRow row;
   while (rows_.Next(row)) {
     if (static_cast<std::int64_t>(lines_.size()) == max_rows) {
-      status_ = absl::InvalidArgumentError(
-          absl::StrCat(rows_.TimePlace(),
-                       ": the newest rows stand first, and there are "
-                       "more than ",
-                       max_rows,
-                       "; turn the file round before it is read, or "
-                       "read less at once"));
+      status_ = InvalidArgument(rows_.TimePlace(),
+                                ": the newest rows stand first, and there are "
+                                "more than ",
+                                max_rows,
+                                "; turn the file round before it is read, or "
+                                "read less at once");
       return;
     }
     times_.push_back(row.time);
@@ -126,9 +124,9 @@ bool SpreadRows::Fill() {
       next_ = row;
     }
     if (ready_.size() > kMostRows) {
-      status_ = absl::InvalidArgumentError(absl::StrCat(
+      status_ = InvalidArgument(
           rows_->TimePlace(), ": more than ", kMostRows,
-          " rows have the time of this one, too many to be spread"));
+          " rows have the time of this one, too many to be spread");
       return false;
     }
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
@@ -20,23 +19,22 @@ constexpr double kMaxSamples = 1e9;
 absl::Status ValidateSampling(double sample_time, double duration) {
   MLE_RETURN_IF_ERROR(ValidateSampleTime("sample_time", sample_time));
   if (!(duration > 0.0) || !std::isfinite(duration)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "duration = ", duration, ", but it must be finite and > 0"));
+    return InvalidArgument("duration = ", duration,
+                           ", but it must be finite and > 0");
   }
   if (duration / sample_time >= kMaxSamples) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("duration = ", duration, " is ", duration / sample_time,
-                     " samples of sample_time = ", sample_time,
-                     ", but at most ", kMaxSamples, " are supported"));
+    return InvalidArgument("duration = ", duration, " is ",
+                           duration / sample_time,
+                           " samples of sample_time = ", sample_time,
+                           ", but at most ", kMaxSamples, " are supported");
   }
   return absl::OkStatus();
 }
 
 absl::Status ValidateNoiseVariance(double noise_variance) {
   if (!(noise_variance >= 0.0) || !std::isfinite(noise_variance)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("noise_variance = ", noise_variance,
-                     ", but it must be finite and ≥ 0"));
+    return InvalidArgument("noise_variance = ", noise_variance,
+                           ", but it must be finite and ≥ 0");
   }
   return absl::OkStatus();
 }

@@ -4,15 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
-#include "mle/data/quiet_part.h"
-#include "mle/data/record.h"
-#include "mle/model/process_model.h"
 
 namespace mle {
 namespace {
@@ -292,15 +288,14 @@ absl::Status CheckRecords(const std::vector<Record>& records,
   for (std::size_t r = 0; r < records.size(); ++r) {
     const absl::Status valid = records[r].Validate();
     if (!valid.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("windows: records[", r, "]: ", valid.message()));
+      return InvalidArgument("windows: records[", r, "]: ", valid.message());
     }
     if (records[r].num_outputs() != model.num_outputs() ||
         records[r].num_inputs() != model.num_inputs()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "windows: records[", r, "] has ", records[r].num_outputs(),
-          " outputs and ", records[r].num_inputs(), " inputs, the model ",
-          model.num_outputs(), " and ", model.num_inputs()));
+      return InvalidArgument("windows: records[", r, "] has ",
+                             records[r].num_outputs(), " outputs and ",
+                             records[r].num_inputs(), " inputs, the model ",
+                             model.num_outputs(), " and ", model.num_inputs());
     }
   }
   return absl::OkStatus();
@@ -331,9 +326,8 @@ std::vector<Record> WindowSet::Records() const {
 absl::Status WindowOptions::Validate() const {
   const auto check = [](const char* field, double value) {
     if (value >= 0.0 && std::isfinite(value)) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        absl::StrCat("windows: ", field, " is ", value,
-                     ", must be finite and not negative"));
+    return InvalidArgument("windows: ", field, " is ", value,
+                           ", must be finite and not negative");
   };
   MLE_RETURN_IF_ERROR(check("before", before));
   MLE_RETURN_IF_ERROR(check("after", after));
@@ -341,18 +335,17 @@ absl::Status WindowOptions::Validate() const {
   MLE_RETURN_IF_ERROR(check("min_change", min_change));
   MLE_RETURN_IF_ERROR(check("report_size", report_size));
   if (!(report_threshold > 0.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("windows: report_threshold is ", report_threshold,
-                     ", must be positive"));
+    return InvalidArgument("windows: report_threshold is ", report_threshold,
+                           ", must be positive");
   }
   for (std::size_t k = 0; k < change_times.size(); ++k) {
     if (std::isfinite(change_times[k]) &&
         (k == 0 || change_times[k] > change_times[k - 1])) {
       continue;
     }
-    return absl::InvalidArgumentError(
-        absl::StrCat("windows: change_times[", k, "] is ", change_times[k],
-                     "; times must be finite and increase"));
+    return InvalidArgument("windows: change_times[", k, "] is ",
+                           change_times[k],
+                           "; times must be finite and increase");
   }
   return absl::OkStatus();
 }

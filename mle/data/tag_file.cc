@@ -1,6 +1,5 @@
 #include "mle/data/tag_file.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -13,7 +12,6 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/data/csv_format.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_file.h"
@@ -159,10 +157,9 @@ std::optional<Sampling> TagFile::DeclaredSampling(const std::string& channel) {
 absl::Status TagFile::ParseHeader(CsvRows& rows) {
   if (!rows.Next(fields_)) {
     MLE_RETURN_IF_ERROR(rows.status());
-    return absl::InvalidArgumentError(
-        absl::StrCat(source_,
-                     ": the file is empty; it begins with "
-                     "tag,channel,scale,offset,unit"));
+    return InvalidArgument(source_,
+                           ": the file is empty; it begins with "
+                           "tag,channel,scale,offset,unit");
   }
   for (std::size_t c = 0; c < fields_.size(); ++c) {
     for (int f = 0; f < kNumFields; ++f) {
@@ -172,10 +169,10 @@ absl::Status TagFile::ParseHeader(CsvRows& rows) {
     }
   }
   if (columns_[kTag] >= 0 && columns_[kChannel] >= 0) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       source_, ": line ", rows.line(),
       ": the header must name tag and channel, and may name scale, offset, "
-      "unit, period, held, late_by, average and stamp, separated by commas"));
+      "unit, period, held, late_by, average and stamp, separated by commas");
 }
 
 void TagFile::ParseRow(const CsvRows& rows) {
@@ -246,8 +243,7 @@ absl::StatusOr<TagTable> TagFile::Parse(const std::string& text) {
     faults_.resize(kShownTagFaults);
     faults_.emplace_back("…");
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat(source_, ": ", absl::StrJoin(faults_, ". ")));
+  return InvalidArgument(source_, ": ", absl::StrJoin(faults_, ". "));
 }
 
 // A tag without its last part: TIC101 of TIC101.SP.
@@ -306,10 +302,10 @@ absl::StatusOr<std::vector<TagProposal>> ProposeTags(
     }
   }
   if (proposals.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         sources.empty() ? "" : sources[0].name + ": ",
         "no column is one of samples under a name of its own: there is nothing "
-        "to propose"));
+        "to propose");
   }
   // Names that agree first, so that no other tag takes their channel.
   for (const bool is_exact : {true, false}) {

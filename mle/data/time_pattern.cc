@@ -1,10 +1,9 @@
-#include "mle/data/time_pattern.h"
-
 #include <array>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/data/time_format.h"
 
 namespace mle {
 namespace {
@@ -225,8 +224,8 @@ std::optional<CivilTime> TimePattern::Read(std::string_view text) const {
 absl::Status TimePattern::Compile(std::string_view pattern, std::size_t& at,
                                   int depth) {
   const auto fault = [&](std::string_view what) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the form of time '", std::string(text_), "' ", std::string(what)));
+    return InvalidArgument("the form of time '", std::string(text_), "' ",
+                           std::string(what));
   };
   const auto add = [&](Field field, char letter = 0) {
     steps_.push_back({field, letter, 0});
@@ -290,10 +289,10 @@ absl::StatusOr<TimePattern> TimePattern::Create(std::string_view pattern) {
       : !has(Field::kHour)                             ? "hour (%H)"
                                                        : nullptr;
   if (missing == nullptr) return result;
-  return absl::InvalidArgumentError(
-      absl::StrCat("the form of time '", result.text_, "' has no ", missing,
-                   "; choose from %Y %y %m %b %d %H %I %M %S %p %z, such as "
-                   "%d.%m.%Y %H:%M"));
+  return InvalidArgument(
+      "the form of time '", result.text_, "' has no ", missing,
+      "; choose from %Y %y %m %b %d %H %I %M %S %p %z, such as "
+      "%d.%m.%Y %H:%M");
 }
 
 }  // namespace mle

@@ -1,7 +1,6 @@
 #include "mle/data/time_range.h"
 
 #include <cmath>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/option_error.h"

@@ -170,9 +170,9 @@ absl::Status WideRows::Samples::Read(RowSource& rows,
   rows.set_skips_comments();
   while (rows.Next(fields)) {
     if (fields.size() <= least) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          rows.Place(static_cast<int>(fields.size())), ": the row ends after ",
-          fields.size(), " fields, it needs ", least + 1));
+      return InvalidArgument(rows.Place(static_cast<int>(fields.size())),
+                             ": the row ends after ", fields.size(),
+                             " fields, it needs ", least + 1);
     }
     if (IsHeader(fields)) {
       ++counts_.comment_rows;
@@ -186,9 +186,9 @@ absl::Status WideRows::Samples::Read(RowSource& rows,
     if (number->second < 0) continue;
     if (static_cast<std::int64_t>(entries_.size()) >=
         4 * options_.max_samples) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          rows.Place(1), ": a long table of more than ",
-          4 * options_.max_samples, " samples; read less at once"));
+      return InvalidArgument(rows.Place(1), ": a long table of more than ",
+                             4 * options_.max_samples,
+                             " samples; read less at once");
     }
     MLE_RETURN_IF_ERROR(Add(rows, fields, number->second));
   }

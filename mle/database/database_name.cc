@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <memory>
-#include <string_view>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
@@ -28,11 +27,11 @@ constexpr char kRemedy[] =
 
 // That a name has a password in it, and where it should be instead.
 absl::Status PasswordError(std::string_view kind, std::string_view remedy) {
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "the name of the ", AbslView(kind),
       " database has a password in it, which others could read in the list of "
       "processes and in results; take it out, and ",
-      AbslView(remedy)));
+      AbslView(remedy));
 }
 
 // "//user:word@host", also where a library would not read it so.
@@ -129,10 +128,10 @@ absl::StatusOr<DatabaseName> ParseSqlite(std::string_view text) {
   }
   if (path.find('"') != std::string_view::npos ||
       path.find('\0') != std::string_view::npos) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("'", ShowCsvText(text),
-                     "': the path of an SQLite file must not have a double "
-                     "quote in it; rename the file"));
+    return InvalidArgument(
+        "'", ShowCsvText(text),
+        "': the path of an SQLite file must not have a double "
+        "quote in it; rename the file");
   }
   return DatabaseName{DatabaseKind::kSqlite, std::string(text),
                       std::string(path)};
@@ -171,11 +170,11 @@ absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text) {
     return ParseOdbc(text);
   // The text after the scheme may have a password in it, and is not shown.
   const std::string_view scheme = text.substr(0, text.find(':'));
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "'", ShowCsvText(scheme),
       ":…' is not a database that can be read; those are "
       "postgresql://USER@HOST/NAME, sqlite:FILE and odbc:NAME, the "
-      "last for all others, by their ODBC drivers"));
+      "last for all others, by their ODBC drivers");
 }
 
 absl::StatusOr<std::string> PostgresqlParameters(const std::string& uri,

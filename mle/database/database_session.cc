@@ -7,7 +7,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <exception>
-#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
@@ -16,7 +15,6 @@
 #include "absl/strings/str_split.h"
 #include "mle/base/absl_view.h"
 #include "mle/base/status.h"
-#include "mle/database/database_name.h"
 
 namespace mle {
 namespace {

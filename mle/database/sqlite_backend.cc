@@ -8,11 +8,9 @@
 #include <soci/sqlite3/soci-sqlite3.h>
 
 #include <chrono>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "absl/strings/str_cat.h"

@@ -15,7 +15,7 @@
 // and lag only, by the first of
 //
 //   an integrator  K e^{−Ls} / s
-//   with a lag     K e^{−Ls} / (s (T s + 1))           integrating_pair.h
+//   with a lag     K e^{−Ls} / (s (T s + 1))
 //   and lags       e^{−Ls} (K/s + Σ_i c_i / (τ_i s + 1))
 //
 //   MLE_ASSIGN_OR_RETURN(const Description description, Describe(model));

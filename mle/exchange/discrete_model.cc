@@ -4,11 +4,9 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include "Eigen/Eigenvalues"
-#include "absl/strings/str_cat.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
 #include "mle/exchange/element_table.h"
@@ -84,14 +82,14 @@ double SlowestPole(const Polynomials& g) {
 absl::Status CheckNumbers(const char* kind,
                           const std::vector<double>& numbers) {
   if (numbers.empty() || numbers.size() > kMostDiscreteCoefficients) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the ", kind, " has ", numbers.size(), " coefficients, must have 1 to ",
-        kMostDiscreteCoefficients));
+    return InvalidArgument("the ", kind, " has ", numbers.size(),
+                           " coefficients, must have 1 to ",
+                           kMostDiscreteCoefficients);
   }
   for (const double number : numbers) {
     if (std::isfinite(number)) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("the ", kind, " has a coefficient that is not finite"));
+    return InvalidArgument("the ", kind,
+                           " has a coefficient that is not finite");
   }
   return absl::OkStatus();
 }
@@ -105,10 +103,10 @@ absl::Status CheckPoles(const Polynomials& g) {
         "numerator and denominator are both zero at z = 1; cancel the common "
         "factor z − 1");
   }
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "the denominator has a root of magnitude ", SlowestPole(g),
       " (an unstable mode); each must be below 1, but for at most one at z = "
-      "1 (an output that integrates)"));
+      "1 (an output that integrates)");
 }
 
 absl::Status CheckElement(const DiscreteElement& element,
@@ -120,9 +118,8 @@ absl::Status CheckElement(const DiscreteElement& element,
         "the denominator begins with 0, must begin with another number");
   }
   if (element.delay < 0 || element.delay > kMaxStateSpaceDelay) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("delay is ", element.delay, ", must be from 0 to ",
-                     kMaxStateSpaceDelay, " samples"));
+    return InvalidArgument("delay is ", element.delay, ", must be from 0 to ",
+                           kMaxStateSpaceDelay, " samples");
   }
   const Polynomials g = Expand(element, variable);
   const auto first =
@@ -182,9 +179,8 @@ absl::Status DiscreteModel::Validate() const {
   for (const DiscreteElement& element : elements) {
     const absl::Status status = CheckElement(element, variable);
     if (status.ok()) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat(PairName(channels, element.output, element.input), ": ",
-                     status.message()));
+    return InvalidArgument(PairName(channels, element.output, element.input),
+                           ": ", status.message());
   }
   return absl::OkStatus();
 }

@@ -22,10 +22,10 @@ absl::StatusOr<DiscreteVariable> ReadVariable(const JsonNode& top) {
   MLE_ASSIGN_OR_RETURN(const std::string name, node.String());
   if (name == "z") return DiscreteVariable::kZ;
   if (name == kInverseZName) return DiscreteVariable::kInverseZ;
-  return node.Fault(absl::StrCat(
+  return node.Fault(
       "is ", QuotedJson(name),
       ", must be \"z\" (coefficients in falling powers of z) or \"z^-1\" (in "
-      "rising powers of z^-1)"));
+      "rising powers of z^-1)");
 }
 
 absl::Status ReadElement(const JsonNode& node, DiscreteModel& model) {
@@ -40,8 +40,7 @@ absl::Status ReadElement(const JsonNode& node, DiscreteModel& model) {
     if (other.output != element.output || other.input != element.input) {
       continue;
     }
-    return node.Fault(
-        absl::StrCat("the pair ", name, " is duplicated; give each pair once"));
+    return node.Fault("the pair ", name, " is duplicated; give each pair once");
   }
   MLE_ASSIGN_OR_RETURN(element.numerator, node.At("numerator").Numbers());
   MLE_ASSIGN_OR_RETURN(element.denominator, node.At("denominator").Numbers());
@@ -52,11 +51,11 @@ absl::Status ReadElement(const JsonNode& node, DiscreteModel& model) {
   }
   if (model.variable == DiscreteVariable::kZ &&
       element.numerator.size() > element.denominator.size()) {
-    return node.Fault(absl::StrCat(
+    return node.Fault(
         "the numerator has ", element.numerator.size(),
         " coefficients, the denominator ", element.denominator.size(),
         "; in powers of z the numerator's degree must not be the larger "
-        "(\"variable\": \"z^-1\" is for powers of z^-1)"));
+        "(\"variable\": \"z^-1\" is for powers of z^-1)");
   }
   model.elements.push_back(std::move(element));
   return absl::OkStatus();
@@ -82,9 +81,7 @@ absl::StatusOr<DiscreteModel> ParseDiscreteModel(std::string_view json,
   for (const JsonNode& node : nodes) {
     MLE_RETURN_IF_ERROR(ReadElement(node, model));
   }
-  if (const absl::Status status = model.Validate(); !status.ok()) {
-    return top.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(top.Check(model.Validate()));
   return model;
 }
 

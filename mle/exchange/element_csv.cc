@@ -1,4 +1,3 @@
-#include "mle/exchange/element_csv.h"
 
 #include <algorithm>
 #include <array>

@@ -11,7 +11,6 @@
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/exchange/mat_file.h"
-#include "mle/exchange/mat_structure.h"
 #include "mle/exchange/mat_variables.h"
 
 namespace mle {
@@ -25,8 +24,8 @@ class MatReader {
 
  private:
   absl::Status Fault(std::string_view name, std::string_view what) const {
-    return absl::InvalidArgumentError(absl::StrCat(
-        path_, ": variable '", std::string(name), "' ", std::string(what)));
+    return InvalidArgument(path_, ": variable '", std::string(name), "' ",
+                           std::string(what));
   }
   bool Has(const char* name) const {
     return Variable(Mat_VarReadInfo(mat_, name)) != nullptr;
@@ -194,8 +193,7 @@ absl::StatusOr<ProcessModel> MatReader::ReadChannels() const {
   ProcessModel model(std::move(name), std::move(time_unit), std::move(inputs),
                      std::move(outputs));
   if (const absl::Status status = model.Validate(); !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path_, ": ", status.message()));
+    return InvalidArgument(path_, ": ", status.message());
   }
   return model;
 }
@@ -230,8 +228,7 @@ absl::Status MatReader::ReadElements(ProcessModel& model) const {
     }
   }
   if (const absl::Status status = model.Validate(); !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path_, ": ", status.message()));
+    return InvalidArgument(path_, ": ", status.message());
   }
   return absl::OkStatus();
 }
@@ -267,8 +264,7 @@ absl::StatusOr<StepResponseModel> MatReader::ReadSteps(
     }
   }
   if (const absl::Status status = model.Validate(); !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path_, ": ", status.message()));
+    return InvalidArgument(path_, ": ", status.message());
   }
   return model;
 }
@@ -280,10 +276,10 @@ absl::StatusOr<MatModel> MatReader::Read() {
     return MatModel(std::move(steps));
   }
   if (!Has("numerators")) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         path_,
         ": has neither the variable 'step_responses' nor 'numerators': it is "
-        "not a model (docs/formats.md)"));
+        "not a model (docs/formats.md)");
   }
   MLE_RETURN_IF_ERROR(ReadElements(model));
   return MatModel(std::move(model));
@@ -294,15 +290,15 @@ absl::StatusOr<MatModel> MatReader::Read() {
 absl::StatusOr<MatModel> ReadMatModel(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
   if (!IsWholeMatFile(bytes)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         path,
         ": cannot be read as a MAT file of version 5: it is cut off, damaged, "
-        "or of another version (save -v6 or -v7)"));
+        "or of another version (save -v6 or -v7)");
   }
   const Mat mat(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (mat == nullptr || Mat_GetVersion(mat.get()) != MAT_FT_MAT5) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        path, ": cannot be read as a MAT file of version 5 (save -v6 or -v7)"));
+    return InvalidArgument(
+        path, ": cannot be read as a MAT file of version 5 (save -v6 or -v7)");
   }
   return MatReader(mat.get(), path).Read();
 }

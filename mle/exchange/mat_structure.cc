@@ -1,5 +1,3 @@
-#include "mle/exchange/mat_structure.h"
-
 #include <zlib.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "mle/exchange/mat_file.h"
+#include "mle/exchange/mat_variables.h"
 
 namespace mle {
 namespace {

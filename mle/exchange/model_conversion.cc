@@ -68,11 +68,9 @@ double RoundedUp(double value) {
 // slowest of them, by which SettlingTime() goes.
 double TimeToSettle(const ProcessModel& model) {
   double longest = SettlingTime(model);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& g = model.element(i, j);
-      if (!g.IsIntegrating()) longest = std::max(longest, g.TimeToSettle());
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& g = model.element(i, j);
+    if (!g.IsIntegrating()) longest = std::max(longest, g.TimeToSettle());
   }
   return longest;
 }
@@ -140,10 +138,8 @@ class Converter {
 };
 
 bool Converter::HasElements() const {
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      if (!model_.element(i, j).IsZero()) return true;
-    }
+  for (const auto& [i, j] : Pairs(model_)) {
+    if (!model_.element(i, j).IsZero()) return true;
   }
   return false;
 }
@@ -231,13 +227,11 @@ StepResponseModel Converter::Sampled() {
   const StepResponse response =
       own.has_value() ? *own
                       : model_.ComputeStepResponse(steps.interval, length + 1);
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      const TransferFunction& g = model_.element(i, j);
-      if (g.IsZero()) continue;
-      steps.pairs.push_back(
-          {i, j, response.element(i, j).tail(length), g.IsIntegrating()});
-    }
+  for (const auto& [i, j] : Pairs(model_)) {
+    const TransferFunction& g = model_.element(i, j);
+    if (g.IsZero()) continue;
+    steps.pairs.push_back(
+        {i, j, response.element(i, j).tail(length), g.IsIntegrating()});
   }
   return steps;
 }
@@ -259,10 +253,10 @@ absl::Status Converter::ToStepResponses() {
                   [](const PairResponse& pair) {
                     return pair.coefficients.isZero(0.0);
                   })) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "no output moves within ", steps.length(), " coefficients every ",
         steps.interval, " ", model_.time_unit(),
-        ": more coefficients or a longer interval must cover the dead times"));
+        ": more coefficients or a longer interval must cover the dead times");
   }
   MLE_RETURN_IF_ERROR(steps.Validate());
   result_.interval = steps.interval;
@@ -280,13 +274,13 @@ absl::Status Converter::CheckText() const {
   if (to_.type == ModelFileType::kMat) return absl::OkStatus();
   const absl::StatusOr<ModelFile> read = ParseModelFile(result_.text, "it");
   if (!read.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "the model in this form",
-        result_.interval > 0.0 ? absl::StrCat(", every ", result_.interval, " ",
+    return InvalidArgument("the model in this form",
+                           result_.interval > 0.0
+                               ? absl::StrCat(", every ", result_.interval, " ",
                                               model_.time_unit(), ",")
                                : "",
-        " could not be read again: ",
-        absl::StripPrefix(read.status().message(), "it: ")));
+                           " could not be read again: ",
+                           absl::StripPrefix(read.status().message(), "it: "));
   }
   const auto same = [](const auto& ours, const auto& theirs) {
     return ours.name == theirs.name && ours.unit == theirs.unit;
@@ -328,11 +322,9 @@ absl::Status Converter::ToStateSpace() {
   const VectorXd& differences = reduced.largest_differences;
   named.accuracy = StateSpaceAccuracy{{bounds.begin(), bounds.end()},
                                       {differences.begin(), differences.end()}};
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      if (model_.element(i, j).IsZero()) continue;
-      result_.differences(i, j) += differences(i);
-    }
+  for (const auto& [i, j] : Pairs(model_)) {
+    if (model_.element(i, j).IsZero()) continue;
+    result_.differences(i, j) += differences(i);
   }
   result_.states = named.system.order();
   result_.text = FormatStateSpace(named);
@@ -361,9 +353,9 @@ absl::StatusOr<ConvertedModel> Converter::Convert() {
     return std::move(result_);
   }
   if (to_.form != ModelForm::kTransferFunctions && !HasElements()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the model has no elements: there is nothing to write as ",
-                     std::string(NameOf(to_.form))));
+    return InvalidArgument(
+        "the model has no elements: there is nothing to write as ",
+        std::string(NameOf(to_.form)));
   }
   switch (to_.form) {
     case ModelForm::kTransferFunctions:
@@ -397,25 +389,25 @@ std::optional<ModelForm> ModelFormOf(std::string_view name) {
 
 absl::Status ModelConversion::Validate() const {
   if (!(interval >= 0.0) || !std::isfinite(interval)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "interval=", interval, ", must be finite and not negative"));
+    return InvalidArgument("interval=", interval,
+                           ", must be finite and not negative");
   }
   if (coefficients != 0 && (coefficients < kFewestCoefficients ||
                             coefficients > kMostCoefficients)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("coefficients=", coefficients, ", must be 0 or from ",
-                     kFewestCoefficients, " to ", kMostCoefficients));
+    return InvalidArgument("coefficients=", coefficients,
+                           ", must be 0 or from ", kFewestCoefficients, " to ",
+                           kMostCoefficients);
   }
   if (!(tolerance > 0.0) || !(tolerance < 1.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("tolerance=", tolerance, ", must be between 0 and 1"));
+    return InvalidArgument("tolerance=", tolerance,
+                           ", must be between 0 and 1");
   }
   if (Holds(type, form)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "form=", std::string(NameOf(form)),
       ": a file of this type does not "
       "hold it; .json holds all forms but element_table, .csv element_table "
-      "and step_responses, .mat transfer_functions and step_responses"));
+      "and step_responses, .mat transfer_functions and step_responses");
 }
 
 absl::StatusOr<ConvertedModel> ConvertModel(const ModelFile& file,

@@ -7,7 +7,6 @@
 #include "absl/strings/str_format.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/exchange/element_csv.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/exchange/model_table.h"
 #include "mle/exchange/state_space_correction.h"
@@ -22,8 +21,7 @@ namespace {
 absl::StatusOr<ModelFile> OfSteps(absl::StatusOr<StepResponseModel> steps,
                                   std::string_view source) {
   if (steps.ok()) return OfStepResponses(*std::move(steps), source);
-  return absl::InvalidArgumentError(
-      absl::StrCat(std::string(source), ": ", steps.status().message()));
+  return InvalidArgument(std::string(source), ": ", steps.status().message());
 }
 
 // A model in discrete time, described by its step responses and kept as
@@ -56,10 +54,10 @@ absl::StatusOr<ModelFile> ParseJson(std::string_view text,
     return OfStateSpace(std::move(named), source);
   }
   if (json.contains("R") && json.contains("sample_time")) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         std::string(source),
         ": is an ARX model, which is not taken as a process model; take the "
-        "model.json beside it"));
+        "model.json beside it");
   }
   ModelFile file;
   MLE_ASSIGN_OR_RETURN(file.process, ParseProcessModel(text, source));
@@ -129,8 +127,8 @@ absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
                                           std::string_view source) {
   absl::StatusOr<Description> description = Describe(model);
   if (!description.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        std::string(source), ": ", description.status().message()));
+    return InvalidArgument(std::string(source), ": ",
+                           description.status().message());
   }
   ModelFile file;
   file.form = ModelForm::kStepResponses;

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
@@ -154,11 +153,11 @@ absl::Status ModelTableReader::ReadRow(TableLine line) {
 
 absl::Status ModelTableReader::Finish() const {
   if (table_.header.fields.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         table_.source,
         ": there is no table: a header whose first field is 'time' (step "
         "responses) or that has the fields output, input and gain, and rows "
-        "below it"));
+        "below it");
   }
   if (table_.time_unit.empty()) {
     return table_.Fault(table_.header.line,
@@ -213,15 +212,13 @@ absl::Status ModelTableReader::Read(std::string_view text) {
 }  // namespace
 
 absl::Status ModelTable::Fault(int line, std::string_view what) const {
-  return absl::InvalidArgumentError(
-      absl::StrCat(source, ": line ", line, ": ", std::string(what)));
+  return InvalidArgument(source, ": line ", line, ": ", std::string(what));
 }
 
 absl::Status ModelTable::Fault(const TableLine& row, int column,
                                std::string_view what) const {
-  return absl::InvalidArgumentError(absl::StrCat(source, ": line ", row.line,
-                                                 ", column ", column + 1, ": ",
-                                                 std::string(what)));
+  return InvalidArgument(source, ": line ", row.line, ", column ", column + 1,
+                         ": ", std::string(what));
 }
 
 absl::StatusOr<double> ModelTable::Number(const TableLine& row,

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/exchange/element_table.h"
 #include "mle/model/held_response.h"
@@ -32,8 +31,8 @@ absl::Status AddPart(const ProcessModel& model, int i, int j,
   const absl::StatusOr<HeldResponse> held =
       HeldResponse::Create(g, sample_time);
   if (!held.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(PairName(model, i, j), ": ", held.status().message()));
+    return InvalidArgument(PairName(model, i, j), ": ",
+                           held.status().message());
   }
   Part part{.output = i,
             .input = j,
@@ -61,19 +60,17 @@ absl::StatusOr<std::vector<Part>> PartsOf(const ProcessModel& before,
                                           const ProcessModel& after,
                                           double sample_time) {
   std::vector<Part> parts;
-  for (int i = 0; i < after.num_outputs(); ++i) {
-    for (int j = 0; j < after.num_inputs(); ++j) {
-      const TransferFunction& old = before.element(i, j);
-      const TransferFunction& g = after.element(i, j);
-      if (IsSameElement(g, old)) continue;
-      if (g.denominator() == old.denominator() && g.delay() == old.delay()) {
-        MLE_RETURN_IF_ERROR(
-            AddPart(after, i, j, Difference(g, old), 1.0, sample_time, parts));
-        continue;
-      }
-      MLE_RETURN_IF_ERROR(AddPart(after, i, j, g, 1.0, sample_time, parts));
-      MLE_RETURN_IF_ERROR(AddPart(after, i, j, old, -1.0, sample_time, parts));
+  for (const auto& [i, j] : Pairs(after)) {
+    const TransferFunction& old = before.element(i, j);
+    const TransferFunction& g = after.element(i, j);
+    if (IsSameElement(g, old)) continue;
+    if (g.denominator() == old.denominator() && g.delay() == old.delay()) {
+      MLE_RETURN_IF_ERROR(
+          AddPart(after, i, j, Difference(g, old), 1.0, sample_time, parts));
+      continue;
     }
+    MLE_RETURN_IF_ERROR(AddPart(after, i, j, g, 1.0, sample_time, parts));
+    MLE_RETURN_IF_ERROR(AddPart(after, i, j, old, -1.0, sample_time, parts));
   }
   return parts;
 }
@@ -211,12 +208,11 @@ absl::StatusOr<DiscreteStateSpace> WithChange(const DiscreteStateSpace& system,
   if (parts.empty()) return system;
   const Composition composition(system, std::move(parts));
   if (composition.order() > system.order() + kMostAddedStates) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: the correction takes ",
-                     composition.order() - system.order(),
-                     " states more than before, at "
-                     "most ",
-                     kMostAddedStates, " are supported"));
+    return InvalidArgument("state-space model: the correction takes ",
+                           composition.order() - system.order(),
+                           " states more than before, at "
+                           "most ",
+                           kMostAddedStates, " are supported");
   }
   return composition.Compose();
 }

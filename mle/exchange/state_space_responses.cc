@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "Eigen/Eigenvalues"
-#include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -52,11 +50,11 @@ absl::Status CheckFeedthrough(const NamedStateSpace& named) {
   Eigen::Index i = 0;
   Eigen::Index j = 0;
   d.cwiseAbs().maxCoeff(&i, &j);
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidArgument(
       "state-space model: D is ", d(i, j), " for '", named.outputs[i],
       "' from '", named.inputs[j],
       "', but outputs are measured just before the inputs change: D must be "
-      "zero"));
+      "zero");
 }
 
 }  // namespace
@@ -78,8 +76,7 @@ absl::StatusOr<StepResponseModel> StepResponsesOf(
   };
   absl::StatusOr<StepResponseModel> sampled = Sample(model);
   if (sampled.ok()) return sampled;
-  return absl::InvalidArgumentError(
-      absl::StrCat("state-space model: ", sampled.status().message()));
+  return InvalidArgument("state-space model: ", sampled.status().message());
 }
 
 double SamplesToDecay(double magnitude) {
@@ -92,10 +89,10 @@ absl::StatusOr<StepResponseModel> Sample(const SampledModel& model) {
   const bool ramps = model.ramps.any();
   const double samples = (ramps ? 2.0 : 1.0) * model.samples;
   if (samples * p * m > kMostNumbers) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "its slowest mode settles after ", model.samples,
         " samples, too many to describe it; take a longer sample time, or, of "
-        "an output that integrates, a pole of exactly 1"));
+        "an output that integrates, a pole of exactly 1");
   }
   const int stride =
       std::max(1, static_cast<int>(std::ceil(samples / kManyCoefficients)));

@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
@@ -22,9 +21,8 @@ absl::Status StepResponseModel::Validate() const {
   MLE_RETURN_IF_ERROR(channels.Validate());
   MLE_RETURN_IF_ERROR(ValidateSampleTime("interval", interval));
   if (length() < kFewestCoefficients) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("there are ", length(), " coefficients, at least ",
-                     kFewestCoefficients, " are needed"));
+    return InvalidArgument("there are ", length(), " coefficients, at least ",
+                           kFewestCoefficients, " are needed");
   }
   std::set<std::pair<int, int>> seen;
   for (const PairResponse& pair : pairs) {
@@ -32,16 +30,16 @@ absl::Status StepResponseModel::Validate() const {
                        pair.output < channels.num_outputs() &&
                        pair.input < channels.num_inputs();
     if (!known || !seen.insert({pair.output, pair.input}).second) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           "output ", pair.output, ", input ", pair.input,
-          known ? ": the pair is duplicated" : ": there is no such channel"));
+          known ? ": the pair is duplicated" : ": there is no such channel");
     }
     if (pair.coefficients.size() != length() ||
         !(pair.coefficients.cwiseAbs().maxCoeff() <= kLargestCoefficient)) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          PairName(channels, pair.output, pair.input), ": there must be ",
-          length(), " coefficients of at most ", kLargestCoefficient,
-          " in magnitude"));
+      return InvalidArgument(PairName(channels, pair.output, pair.input),
+                             ": there must be ", length(),
+                             " coefficients of at most ", kLargestCoefficient,
+                             " in magnitude");
     }
   }
   return absl::OkStatus();
@@ -52,9 +50,9 @@ absl::Status StepResponseModel::CheckSteadyState(double stated) const {
   if (std::abs(stated - end) <= kTimeTolerance * interval) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "is ", stated, ", but ", length(), " coefficients at an interval of ",
-      interval, " end at ", end));
+  return InvalidArgument("is ", stated, ", but ", length(),
+                         " coefficients at an interval of ", interval,
+                         " end at ", end);
 }
 
 StepResponseModel WithChange(const StepResponseModel& model,

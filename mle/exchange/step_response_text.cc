@@ -26,8 +26,8 @@ absl::StatusOr<bool> ReadIsRamp(const JsonNode& node) {
   if (!node.Has("end")) return false;
   MLE_ASSIGN_OR_RETURN(const std::string end, node.At("end").String());
   if (end == "steady" || end == "ramp") return end == "ramp";
-  return node.At("end").Fault(
-      absl::StrCat("is ", QuotedJson(end), ", must be \"steady\" or \"ramp\""));
+  return node.At("end").Fault("is ", QuotedJson(end),
+                              ", must be \"steady\" or \"ramp\"");
 }
 
 // One entry of step_responses; the first says how many coefficients there are.
@@ -39,9 +39,9 @@ absl::Status ReadPair(const JsonNode& node, StepResponseModel& model) {
   MLE_ASSIGN_OR_RETURN(pair.input, FindInput(node, model.channels));
   for (const PairResponse& other : model.pairs) {
     if (other.output != pair.output || other.input != pair.input) continue;
-    return node.Fault(absl::StrCat(
-        "the pair ", PairName(model.channels, pair.output, pair.input),
-        " is duplicated; give each pair once"));
+    return node.Fault("the pair ",
+                      PairName(model.channels, pair.output, pair.input),
+                      " is duplicated; give each pair once");
   }
   MLE_ASSIGN_OR_RETURN(pair.is_ramp, ReadIsRamp(node));
   MLE_ASSIGN_OR_RETURN(const std::vector<double> numbers,
@@ -49,9 +49,8 @@ absl::Status ReadPair(const JsonNode& node, StepResponseModel& model) {
   const auto length = static_cast<int>(numbers.size());
   if (!model.pairs.empty() && length != model.length()) {
     return node.At("coefficients")
-        .Fault(absl::StrCat("has ", length,
-                            " coefficients, the first pair has ",
-                            model.length(), "; all must have as many"));
+        .Fault("has ", length, " coefficients, the first pair has ",
+               model.length(), "; all must have as many");
   }
   pair.coefficients = Eigen::Map<const Eigen::VectorXd>(numbers.data(), length);
   model.pairs.push_back(std::move(pair));
@@ -63,8 +62,7 @@ absl::Status CheckSteadyState(const JsonNode& top,
   if (!top.Has("time_to_steady_state")) return absl::OkStatus();
   const JsonNode node = top.At("time_to_steady_state");
   MLE_ASSIGN_OR_RETURN(const double stated, node.Number(kPositive));
-  const absl::Status status = model.CheckSteadyState(stated);
-  return status.ok() ? status : node.Fault(std::string(status.message()));
+  return node.Check(model.CheckSteadyState(stated));
 }
 
 using Pair = std::pair<int, int>;            // output, input
@@ -100,14 +98,12 @@ absl::StatusOr<std::vector<ModelTable::PairOfNames>> NamesInHeader(
 absl::StatusOr<Labels> LabelsOf(const ModelTable& table,
                                 const ProcessModel& channels) {
   Labels labels;
-  for (int i = 0; i < channels.num_outputs(); ++i) {
-    for (int j = 0; j < channels.num_inputs(); ++j) {
-      const std::string label = Label(channels, i, j);
-      if (labels.emplace(label, Pair(i, j)).second) continue;
-      return table.Fault(table.header.line,
-                         absl::StrCat("'", ShowCsvText(label),
-                                      "' may be two pairs: rename a channel"));
-    }
+  for (const auto& [i, j] : Pairs(channels)) {
+    const std::string label = Label(channels, i, j);
+    if (labels.emplace(label, Pair(i, j)).second) continue;
+    return table.Fault(table.header.line,
+                       absl::StrCat("'", ShowCsvText(label),
+                                    "' may be two pairs: rename a channel"));
   }
   return labels;
 }
@@ -313,9 +309,7 @@ absl::StatusOr<StepResponseModel> ParseStepResponseJson(
     MLE_RETURN_IF_ERROR(ReadPair(node, model));
   }
   MLE_RETURN_IF_ERROR(CheckSteadyState(top, model));
-  if (const absl::Status status = model.Validate(); !status.ok()) {
-    return top.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(top.Check(model.Validate()));
   return model;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "mle/exchange/element_table.h"
 #include "mle/exchange/model_table.h"
 #include "mle/exchange/step_response_model.h"
 
@@ -33,6 +34,10 @@ inline bool IsJsonText(std::string_view text) {
   const std::size_t start = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   return start != std::string_view::npos && text[start] == '{';
 }
+
+// Tables of elements, read from tables of any kind. Internal to mle/exchange.
+
+absl::StatusOr<ElementTable> ElementsOf(const ModelTable& table);
 
 }  // namespace mle
 

@@ -1,10 +1,8 @@
 #include "mle/model/arx_model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
@@ -89,15 +87,15 @@ absl::Status ArxModel::Validate() const {
   MLE_RETURN_IF_ERROR(
       ValidateSampleTime("ARX model: sample_time", sample_time));
   if (order < 1 || num_outputs < 1 || num_inputs < 1) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "ARX model: order is ", order, ", num_outputs ", num_outputs,
-        ", num_inputs ", num_inputs, "; each must be at least 1"));
+    return InvalidArgument("ARX model: order is ", order, ", num_outputs ",
+                           num_outputs, ", num_inputs ", num_inputs,
+                           "; each must be at least 1");
   }
   if (R.rows() != num_outputs ||
       R.cols() != static_cast<Eigen::Index>(order) * num_channels()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "ARX model: R is ", R.rows(), " × ", R.cols(), ", must be ",
-        num_outputs, " × ", static_cast<Eigen::Index>(order) * num_channels()));
+    return InvalidArgument("ARX model: R is ", R.rows(), " × ", R.cols(),
+                           ", must be ", num_outputs, " × ",
+                           static_cast<Eigen::Index>(order) * num_channels());
   }
   if (!R.allFinite()) {
     return absl::InvalidArgumentError(

@@ -1,11 +1,7 @@
 #include "mle/model/arx_model_json.h"
 
-#include <utility>
-
-#include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/base/version.h"
 #include "mle/model/json_matrix.h"
 #include "mle/model/json_node.h"
 #include "mle/model/json_text.h"
@@ -37,9 +33,8 @@ absl::StatusOr<NamedArxModel> ParseNamedArx(const JsonNode& top) {
   model.order = static_cast<int>(order);
   const std::size_t channels = named.outputs.size() + named.inputs.size();
   if (channels > static_cast<std::size_t>(kMaxArxOrder / model.order)) {
-    return top.Fault(absl::StrCat(model.order, " lags of ", channels,
-                                  " channels are more than ", kMaxArxOrder,
-                                  " regressors"));
+    return top.Fault(model.order, " lags of ", channels,
+                     " channels are more than ", kMaxArxOrder, " regressors");
   }
   model.num_outputs = static_cast<int>(named.outputs.size());
   model.num_inputs = static_cast<int>(named.inputs.size());
@@ -47,9 +42,7 @@ absl::StatusOr<NamedArxModel> ParseNamedArx(const JsonNode& top) {
       model.R,
       ReadMatrix(top.At("R"), model.num_outputs, model.num_regressors(),
                  "one for each output", "order × channels"));
-  if (const absl::Status status = named.Validate(); !status.ok()) {
-    return top.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(top.Check(named.Validate()));
   return named;
 }
 

@@ -36,8 +36,8 @@ absl::StatusOr<Sampling> ParseSampling(const JsonNode& node, bool is_output) {
   if (node.Has("stamp")) {
     MLE_ASSIGN_OR_RETURN(const std::string stamp, node.At("stamp").String());
     if (stamp != "start" && stamp != "end") {
-      return node.At("stamp").Fault(absl::StrCat(
-          "is ", QuotedJson(stamp), ", must be \"start\" or \"end\""));
+      return node.At("stamp").Fault("is ", QuotedJson(stamp),
+                                    ", must be \"start\" or \"end\"");
     }
     sampling.stamped_at_end = stamp == "end";
   }
@@ -53,8 +53,8 @@ absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
     MLE_ASSIGN_OR_RETURN(const std::string role, node.At("role").String());
     if (role != "manipulated" && role != "disturbance") {
       return node.At("role").Fault(
-          absl::StrCat("is ", QuotedJson(role),
-                       ", must be \"manipulated\" or \"disturbance\""));
+          "is ", QuotedJson(role),
+          ", must be \"manipulated\" or \"disturbance\"");
     }
     if (role == "disturbance") input.role = InputRole::kDisturbance;
   }
@@ -85,12 +85,12 @@ absl::StatusOr<int> FindChannel(const JsonNode& node, const std::string& key,
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (channels[i].name == name) return static_cast<int>(i);
   }
-  return node.At(key).Fault(absl::StrCat(
+  return node.At(key).Fault(
       QuotedJson(name), " is unknown; the ", key, "s are ",
       absl::StrJoin(channels, ", ",
                     [](std::string* out, const Channel& channel) {
                       absl::StrAppend(out, QuotedJson(channel.name));
-                    })));
+                    }));
 }
 
 // The key and its value, after a comma; empty where nothing is declared.
@@ -132,15 +132,12 @@ absl::StatusOr<ProcessModel> ReadChannels(const JsonNode& top) {
     outputs.push_back(std::move(output));
   }
   if (!inputs.empty() && outputs.size() > kMaxPairs / inputs.size()) {
-    return top.Fault(absl::StrCat(inputs.size(), " inputs and ", outputs.size(),
-                                  " outputs make more than ", kMaxPairs,
-                                  " pairs"));
+    return top.Fault(inputs.size(), " inputs and ", outputs.size(),
+                     " outputs make more than ", kMaxPairs, " pairs");
   }
   ProcessModel model(std::move(name), std::move(time_unit), std::move(inputs),
                      std::move(outputs));
-  if (const absl::Status names = model.Validate(); !names.ok()) {
-    return top.Fault(std::string(names.message()));
-  }
+  MLE_RETURN_IF_ERROR(top.Check(model.Validate()));
   return model;
 }
 

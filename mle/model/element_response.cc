@@ -9,7 +9,6 @@
 #include "Eigen/LU"
 #include "glog/logging.h"
 #include "mle/base/status.h"
-#include "mle/model/held_input_map.h"
 
 namespace mle {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/str_cat.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
 
@@ -21,10 +20,9 @@ absl::StatusOr<HeldResponse> HeldResponse::Create(
   MLE_RETURN_IF_ERROR(element.Validate());
   const double delay = element.delay() / sample_time;
   if (delay > kMaxDelaySamples) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the delay of ", element.delay(), " is ", delay,
-                     " samples, but at most ", kMaxDelaySamples,
-                     " are supported; use a longer sample time"));
+    return InvalidArgument("the delay of ", element.delay(), " is ", delay,
+                           " samples, but at most ", kMaxDelaySamples,
+                           " are supported; use a longer sample time");
   }
   const double whole = std::floor(delay + kDelaySnap);
   double fraction = std::max(0.0, delay - whole);  // f
@@ -38,9 +36,8 @@ absl::StatusOr<HeldResponse> HeldResponse::Create(
   response.D = system.D;
   if (!response.map.E.allFinite() || !response.map.older.allFinite() ||
       !response.map.newer.allFinite()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("its response over a sample of ", sample_time,
-                     " overflows; use another unit of time"));
+    return InvalidArgument("its response over a sample of ", sample_time,
+                           " overflows; use another unit of time");
   }
   return response;
 }

@@ -11,18 +11,15 @@ namespace {
 absl::Status CheckNames(const std::vector<std::string>& names, int wanted,
                         const char* kind, std::set<std::string>& seen) {
   if (static_cast<int>(names.size()) != wanted) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(names.size(), " names for ", wanted, " ", kind, "s"));
+    return InvalidArgument(names.size(), " names for ", wanted, " ", kind, "s");
   }
   for (const std::string& name : names) {
     if (name.empty()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("an ", kind, " has an empty name"));
+      return InvalidArgument("an ", kind, " has an empty name");
     }
     if (!seen.insert(name).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("the name ", QuotedJson(name),
-                       " is duplicated; each channel needs its own"));
+      return InvalidArgument("the name ", QuotedJson(name),
+                             " is duplicated; each channel needs its own");
     }
   }
   return absl::OkStatus();
@@ -36,18 +33,18 @@ absl::StatusOr<Eigen::MatrixXd> ReadMatrix(const JsonNode& node, int rows,
                                            const std::string& column_meaning) {
   const nlohmann::json& list = node.json();
   if (!list.is_array() || list.size() != static_cast<std::size_t>(rows)) {
-    return node.Fault(absl::StrCat(
+    return node.Fault(
         "must be a list of ", rows, " rows, ", row_meaning, ", is ",
-        list.is_array() ? absl::StrCat("one of ", list.size()) : node.Found()));
+        list.is_array() ? absl::StrCat("one of ", list.size()) : node.Found());
   }
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> row_nodes, node.Elements());
   for (const JsonNode& row : row_nodes) {
     if (!row.json().is_array() ||
         row.json().size() != static_cast<std::size_t>(columns)) {
-      return row.Fault(absl::StrCat(
+      return row.Fault(
           "must be a list of ", columns, " numbers, ", column_meaning, ", is ",
           row.json().is_array() ? absl::StrCat("one of ", row.json().size())
-                                : row.Found()));
+                                : row.Found());
     }
   }
   Eigen::MatrixXd matrix(rows, columns);

@@ -36,30 +36,29 @@ std::string FoundJson(const Json& value) {
   return absl::StrCat("an ", value.type_name());
 }
 
-absl::Status JsonNode::Fault(std::string_view message) const {
-  return absl::InvalidArgumentError(absl::StrCat(
-      source_, path_.empty() ? "" : ": ", path_, ": ", std::string(message)));
+absl::Status JsonNode::FaultHere(const std::string& message) const {
+  return InvalidArgument(source_, path_.empty() ? "" : ": ", path_, ": ",
+                         message);
 }
 
 absl::Status JsonNode::CheckKeys(
     const std::vector<std::string>& required,
     const std::vector<std::string>& optional) const {
   if (!json_->is_object()) {
-    return Fault(absl::StrCat("must be an object, is ", Found()));
+    return Fault("must be an object, is ", Found());
   }
   std::vector<std::string> allowed = required;
   allowed.insert(allowed.end(), optional.begin(), optional.end());
   for (const auto& item : json_->items()) {
     if (std::find(allowed.begin(), allowed.end(), item.key()) ==
         allowed.end()) {
-      return Fault(absl::StrCat("unknown key ", QuotedJson(item.key()),
-                                "; allowed are ",
-                                absl::StrJoin(allowed, ", ")));
+      return Fault("unknown key ", QuotedJson(item.key()), "; allowed are ",
+                   absl::StrJoin(allowed, ", "));
     }
   }
   for (const std::string& key : required) {
     if (!json_->contains(key)) {
-      return Fault(absl::StrCat("key \"", key, "\" is missing"));
+      return Fault("key \"", key, "\" is missing");
     }
   }
   return absl::OkStatus();
@@ -73,7 +72,7 @@ JsonNode JsonNode::At(const std::string& key) const {
 
 absl::StatusOr<std::vector<JsonNode>> JsonNode::ElementsOrNone() const {
   if (!json_->is_array()) {
-    return Fault(absl::StrCat("must be a list, is ", Found()));
+    return Fault("must be a list, is ", Found());
   }
   std::vector<JsonNode> nodes;
   for (std::size_t i = 0; i < json_->size(); ++i) {
@@ -110,13 +109,12 @@ absl::StatusOr<std::vector<std::string>> JsonNode::Strings() const {
 
 absl::StatusOr<std::string> JsonNode::String() const {
   if (json_->is_string()) return json_->get<std::string>();
-  return Fault(absl::StrCat("must be a string, is ", Found()));
+  return Fault("must be a string, is ", Found());
 }
 
 absl::StatusOr<std::string> JsonNode::Text() const {
   if (!json_->is_string() || json_->get_ref<const std::string&>().empty()) {
-    return Fault(
-        absl::StrCat("must be a string that is not empty, is ", Found()));
+    return Fault("must be a string that is not empty, is ", Found());
   }
   return json_->get<std::string>();
 }
@@ -130,9 +128,9 @@ absl::StatusOr<std::string> JsonNode::Name() const {
           "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789 ._-+:") == std::string::npos;
   if (plain) return name;
   return Fault(
-      absl::StrCat("must be a name of at most 100 letters, digits, blanks and "
-                   ". _ - + :, is ",
-                   Found()));
+      "must be a name of at most 100 letters, digits, blanks and "
+      ". _ - + :, is ",
+      Found());
 }
 
 absl::StatusOr<double> JsonNode::Number(const NumberRange& range) const {
@@ -141,8 +139,8 @@ absl::StatusOr<double> JsonNode::Number(const NumberRange& range) const {
                            : std::numeric_limits<double>::quiet_NaN();
   if (range.Contains(value)) return value;
   const std::string bounds = range.Describe();
-  return Fault(absl::StrCat("must be a number", bounds.empty() ? "" : " ",
-                            bounds, ", is ", Found()));
+  return Fault("must be a number", bounds.empty() ? "" : " ", bounds, ", is ",
+               Found());
 }
 
 absl::StatusOr<std::int64_t> JsonNode::Integer(std::int64_t min,
@@ -164,13 +162,13 @@ absl::StatusOr<std::int64_t> JsonNode::Integer(std::int64_t min,
     value = json_->get<std::int64_t>();
   }
   if (value.has_value() && *value >= min && *value <= max) return *value;
-  return Fault(absl::StrCat("must be a whole number from ", min, " to ", max,
-                            ", is ", Found()));
+  return Fault("must be a whole number from ", min, " to ", max, ", is ",
+               Found());
 }
 
 absl::StatusOr<bool> JsonNode::Boolean() const {
   if (json_->is_boolean()) return json_->get<bool>();
-  return Fault(absl::StrCat("must be true or false, is ", Found()));
+  return Fault("must be true or false, is ", Found());
 }
 
 absl::Status ReadNumber(const JsonNode& object, const std::string& key,

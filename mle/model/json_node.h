@@ -15,11 +15,11 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
 #include "mle/base/number_range.h"
 #include "nlohmann/json.hpp"
 
@@ -39,8 +39,22 @@ class JsonNode {
 
   const nlohmann::json& json() const { return *json_; }
 
-  // InvalidArgument: "source: path: message".
-  absl::Status Fault(std::string_view message) const;
+  // InvalidArgument: "source: path: message"; the parts of the message come one
+  // after the other.
+  template <typename... Parts>
+  absl::Status Fault(const Parts&... parts) const {
+    return FaultHere(absl::StrCat(parts...));
+  }
+  // The same of an error that was found in what the node holds; a good status
+  // or value stays as it is.
+  absl::Status Check(const absl::Status& status) const {
+    return status.ok() ? status : Fault(status.message());
+  }
+  template <typename Value>
+  absl::StatusOr<Value> Check(absl::StatusOr<Value> value) const {
+    if (value.ok()) return value;
+    return Fault(value.status().message());
+  }
 
   // An object with all of `required` and nothing beyond these and `optional`.
   absl::Status CheckKeys(const std::vector<std::string>& required,
@@ -69,6 +83,8 @@ class JsonNode {
   std::string Found() const { return FoundJson(*json_); }
 
  private:
+  absl::Status FaultHere(const std::string& message) const;
+
   const nlohmann::json* json_;
   std::string source_;
   std::string path_;

@@ -14,8 +14,7 @@ namespace {
 // No text file takes a NUL.
 absl::Status CheckText(const std::string& text, const std::string& what) {
   if (text.find('\0') == std::string::npos) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(what, " has a NUL character in it"));
+  return InvalidArgument(what, " has a NUL character in it");
 }
 
 // Adds the names of `channels`, each once, to `seen`.
@@ -25,17 +24,17 @@ absl::Status AddNames(const std::vector<Channel>& channels, const char* kind,
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const std::string& name = channels[i].name;
     if (name.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          kind, "s[", i, "]: name is empty, each channel needs one"));
+      return InvalidArgument(kind, "s[", i,
+                             "]: name is empty, each channel needs one");
     }
     MLE_RETURN_IF_ERROR(
         CheckText(name, absl::StrCat(kind, "s[", i, "]: name")));
     MLE_RETURN_IF_ERROR(
         CheckText(channels[i].unit, absl::StrCat(kind, "s[", i, "]: unit")));
     if (!seen.insert(name).second) {
-      return absl::InvalidArgumentError(absl::StrCat(
+      return InvalidArgument(
           kind, "s[", i, "]: name \"", name,
-          "\" is used already; the names of inputs and outputs must differ"));
+          "\" is used already; the names of inputs and outputs must differ");
     }
   }
   return absl::OkStatus();
@@ -47,16 +46,14 @@ absl::Status CheckSameNames(const std::vector<Channel>& a,
                             const std::vector<Channel>& b,
                             const std::string& b_name, const char* kind) {
   if (a.size() != b.size()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(a_name, " has ", a.size(), " ", kind, "s, ", b_name, " ",
-                     b.size(), "; they must be the same"));
+    return InvalidArgument(a_name, " has ", a.size(), " ", kind, "s, ", b_name,
+                           " ", b.size(), "; they must be the same");
   }
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].name != b[i].name) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(kind, "s[", i, "] is \"", a[i].name, "\" in ", a_name,
-                       " and \"", b[i].name, "\" in ", b_name,
-                       "; the names must be the same, in the same order"));
+      return InvalidArgument(kind, "s[", i, "] is \"", a[i].name, "\" in ",
+                             a_name, " and \"", b[i].name, "\" in ", b_name,
+                             "; the names must be the same, in the same order");
     }
   }
   return absl::OkStatus();
@@ -89,9 +86,9 @@ absl::Status ProcessModel::Validate() const {
     for (int j = 0; j < num_inputs(); ++j) {
       const absl::Status status = element(i, j).Validate();
       if (!status.ok()) {
-        return absl::InvalidArgumentError(absl::StrCat(
-            "element of output \"", outputs_[i].name, "\", input \"",
-            inputs_[j].name, "\": ", status.message()));
+        return InvalidArgument("element of output \"", outputs_[i].name,
+                               "\", input \"", inputs_[j].name,
+                               "\": ", status.message());
       }
     }
   }
@@ -122,29 +119,25 @@ absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
   MLE_RETURN_IF_ERROR(
       CheckSameNames(a.outputs(), name_a, b.outputs(), name_b, "output"));
   if (a.time_unit() != b.time_unit()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "time_unit is \"", a.time_unit(), "\" in ", name_a, " and \"",
-        b.time_unit(), "\" in ", name_b, "; it must be the same"));
+    return InvalidArgument("time_unit is \"", a.time_unit(), "\" in ", name_a,
+                           " and \"", b.time_unit(), "\" in ", name_b,
+                           "; it must be the same");
   }
   return absl::OkStatus();
 }
 
 Eigen::MatrixXd StaticGains(const ProcessModel& model) {
   Eigen::MatrixXd gains(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      gains(i, j) = model.element(i, j).StaticGain();
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    gains(i, j) = model.element(i, j).StaticGain();
   }
   return gains;
 }
 
 Eigen::MatrixXi IntegrationOrders(const ProcessModel& model) {
   Eigen::MatrixXi orders(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      orders(i, j) = model.element(i, j).IntegrationOrder();
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    orders(i, j) = model.element(i, j).IntegrationOrder();
   }
   return orders;
 }
@@ -159,10 +152,8 @@ bool IsIntegrating(const ProcessModel& model, int output) {
 
 int NumElements(const ProcessModel& model) {
   int count = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      count += model.element(i, j).IsZero() ? 0 : 1;
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    count += model.element(i, j).IsZero() ? 0 : 1;
   }
   return count;
 }
@@ -178,32 +169,42 @@ std::vector<bool> IntegratingOutputs(const ProcessModel& model) {
 absl::Status CheckNotIntegrating(const ProcessModel& model,
                                  std::string_view what) {
   const Eigen::MatrixXi orders = IntegrationOrders(model);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (orders(i, j) == 0) continue;
-      return absl::InvalidArgumentError(absl::StrCat(
-          PairName(model, i, j),
-          " integrates (a pole at s = 0: a level, a pressure, an inventory); ",
-          std::string(what)));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    if (orders(i, j) == 0) continue;
+    return InvalidArgument(
+        PairName(model, i, j),
+        " integrates (a pole at s = 0: a level, a pressure, an inventory); ",
+        std::string(what));
   }
   return absl::OkStatus();
 }
 
 double SettlingTime(const ProcessModel& model) {
   double longest = 0.0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& element = model.element(i, j);
-      if (element.IsZero()) continue;
-      const double T = element.SlowestTimeConstant();
-      longest =
-          std::max(longest, element.IsIntegrating()
-                                ? kLevelSettlingTimes * (element.delay() + T)
-                                : element.delay() + 5.0 * T);
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& element = model.element(i, j);
+    if (element.IsZero()) continue;
+    const double T = element.SlowestTimeConstant();
+    longest =
+        std::max(longest, element.IsIntegrating()
+                              ? kLevelSettlingTimes * (element.delay() + T)
+                              : element.delay() + 5.0 * T);
   }
   return longest;
+}
+
+std::vector<InputRole> InputRoles(const ProcessModel& model) {
+  std::vector<InputRole> roles;
+  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
+  return roles;
+}
+
+std::vector<PairPlace> Pairs(const ProcessModel& model) {
+  std::vector<PairPlace> pairs;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) pairs.push_back({i, j});
+  }
+  return pairs;
 }
 
 std::string PairName(const ProcessModel& model, int output, int input) {

@@ -130,6 +130,22 @@ inline constexpr double kLevelSettlingTimes = 10.0;
 // its loop alone: of an integrating element kLevelSettlingTimes.
 double SettlingTime(const ProcessModel& model);
 
+// The names of inputs or outputs.
+template <typename Channel>
+std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) names.push_back(channel.name);
+  return names;
+}
+std::vector<InputRole> InputRoles(const ProcessModel& model);
+
+// The numbers of the outputs and inputs of all pairs, row by row.
+struct PairPlace {
+  int output = 0;
+  int input = 0;
+};
+std::vector<PairPlace> Pairs(const ProcessModel& model);
+
 // "overhead ← reflux": the pair as reports name it.
 std::string PairName(const ProcessModel& model, int output, int input);
 

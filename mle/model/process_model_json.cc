@@ -61,10 +61,10 @@ absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
     if (has_numerator) found.push_back("numerator");
     if (has_denominator) found.push_back("denominator");
     return node.Fault(
-        absl::StrCat("needs either gain and time_constant or numerator and "
-                     "denominator, has ",
-                     found.empty() ? std::string("none of them")
-                                   : absl::StrJoin(found, ", ")));
+        "needs either gain and time_constant or numerator and "
+        "denominator, has ",
+        found.empty() ? std::string("none of them")
+                      : absl::StrJoin(found, ", "));
   }
   MLE_ASSIGN_OR_RETURN(const double delay, node.At("delay").Number());
   TransferFunction g;
@@ -77,9 +77,7 @@ absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
                          node.At("denominator").Numbers());
     g = TransferFunction(std::move(numerator), std::move(denominator), delay);
   }
-  if (const absl::Status status = g.Validate(); !status.ok()) {
-    return node.Fault(std::string(status.message()));
-  }
+  MLE_RETURN_IF_ERROR(node.Check(g.Validate()));
   return g;
 }
 
@@ -94,10 +92,10 @@ absl::Status ParseElements(const JsonNode& top, ProcessModel& model) {
     MLE_ASSIGN_OR_RETURN(const int output, FindOutput(node, model));
     MLE_ASSIGN_OR_RETURN(const int input, FindInput(node, model));
     if (!seen.insert({output, input}).second) {
-      return node.Fault(absl::StrCat(
-          "the element of output ", QuotedJson(model.outputs()[output].name),
-          ", input ", QuotedJson(model.inputs()[input].name),
-          " is duplicated; give each pair once"));
+      return node.Fault("the element of output ",
+                        QuotedJson(model.outputs()[output].name), ", input ",
+                        QuotedJson(model.inputs()[input].name),
+                        " is duplicated; give each pair once");
     }
     MLE_ASSIGN_OR_RETURN(model.element(output, input), ParseDynamics(node));
   }
@@ -139,14 +137,12 @@ absl::StatusOr<ProcessModel> ParseProcessModel(std::string_view json,
 
 std::string FormatProcessModel(const ProcessModel& model) {
   std::vector<std::string> elements;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& g = model.element(i, j);
-      if (g.IsZero()) continue;
-      elements.push_back(absl::StrCat(
-          "\"output\": ", QuotedJson(model.outputs()[i].name), ", \"input\": ",
-          QuotedJson(model.inputs()[j].name), ", ", FormatDynamics(g)));
-    }
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& g = model.element(i, j);
+    if (g.IsZero()) continue;
+    elements.push_back(absl::StrCat(
+        "\"output\": ", QuotedJson(model.outputs()[i].name), ", \"input\": ",
+        QuotedJson(model.inputs()[j].name), ", ", FormatDynamics(g)));
   }
   return absl::StrCat("{\n", FormatChannels(model),
                       ",\n  \"elements\": ", FormatJsonObjects(elements),

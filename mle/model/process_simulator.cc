@@ -17,25 +17,23 @@ absl::StatusOr<ProcessSimulator> ProcessSimulator::Create(
       HeldResponse::Create(TransferFunction(), sample_time).status());
   ProcessSimulator simulator;
   int longest_delay = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (model.element(i, j).IsZero()) continue;
-      absl::StatusOr<HeldResponse> response =
-          HeldResponse::Create(model.element(i, j), sample_time);
-      if (!response.ok()) {
-        return absl::Status(response.status().code(),
-                            absl::StrCat("element (", model.outputs()[i].name,
-                                         ", ", model.inputs()[j].name,
-                                         "): ", response.status().message()));
-      }
-      Element& element = simulator.elements_.emplace_back();
-      element.output = i;
-      element.input = j;
-      element.response = *std::move(response);
-      element.state = Eigen::VectorXd::Zero(element.response.map.E.rows());
-      element.move = element.state;
-      longest_delay = std::max(longest_delay, element.response.whole_delay);
+  for (const auto& [i, j] : Pairs(model)) {
+    if (model.element(i, j).IsZero()) continue;
+    absl::StatusOr<HeldResponse> response =
+        HeldResponse::Create(model.element(i, j), sample_time);
+    if (!response.ok()) {
+      return absl::Status(response.status().code(),
+                          absl::StrCat("element (", model.outputs()[i].name,
+                                       ", ", model.inputs()[j].name,
+                                       "): ", response.status().message()));
     }
+    Element& element = simulator.elements_.emplace_back();
+    element.output = i;
+    element.input = j;
+    element.response = *std::move(response);
+    element.state = Eigen::VectorXd::Zero(element.response.map.E.rows());
+    element.move = element.state;
+    longest_delay = std::max(longest_delay, element.response.whole_delay);
   }
   simulator.history_ =
       Eigen::MatrixXd::Zero(model.num_inputs(), longest_delay + 2);
@@ -72,9 +70,9 @@ absl::StatusOr<Eigen::MatrixXd> SimulateResponse(
   MLE_ASSIGN_OR_RETURN(ProcessSimulator simulator,
                        ProcessSimulator::Create(model, sample_time));
   if (inputs.rows() != model.num_inputs()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("inputs has ", inputs.rows(), " rows, but the model has ",
-                     model.num_inputs(), " inputs"));
+    return InvalidArgument("inputs has ", inputs.rows(),
+                           " rows, but the model has ", model.num_inputs(),
+                           " inputs");
   }
   Eigen::MatrixXd outputs(model.num_outputs(), inputs.cols());
   if (inputs.cols() == 0) return outputs;

@@ -1,13 +1,11 @@
 #include "mle/model/state_space.h"
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "Eigen/Eigenvalues"
 #include "Eigen/LU"
 #include "Eigen/SVD"
-#include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
@@ -58,10 +56,10 @@ absl::Status CheckEigenvalues(const Eigen::MatrixXd& a) {
   const int integrating = CountIntegrating(eigenvalues);
   for (const std::complex<double> value : eigenvalues) {
     if (std::abs(value) < 1.0 || std::abs(value - 1.0) <= kIntegrates) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "state-space model: A has an eigenvalue of magnitude ", std::abs(value),
         ", each must be below 1, or 1 where an output "
-        "integrates: the model is unstable"));
+        "integrates: the model is unstable");
   }
   if (integrating == 0 ||
       IntegratingVectorsOf(a, integrating).largest <= kIntegrates) {
@@ -76,13 +74,13 @@ absl::Status CheckEigenvalues(const Eigen::MatrixXd& a) {
 absl::Status CheckMatrix(const char* name, const Eigen::MatrixXd& matrix,
                          Eigen::Index rows, Eigen::Index cols) {
   if (matrix.rows() != rows || matrix.cols() != cols) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: ", name, " is ", matrix.rows(), " × ",
-                     matrix.cols(), ", must be ", rows, " × ", cols));
+    return InvalidArgument("state-space model: ", name, " is ", matrix.rows(),
+                           " × ", matrix.cols(), ", must be ", rows, " × ",
+                           cols);
   }
   if (!matrix.allFinite()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "state-space model: ", name, " holds an entry that is not finite"));
+    return InvalidArgument("state-space model: ", name,
+                           " holds an entry that is not finite");
   }
   return absl::OkStatus();
 }
@@ -90,15 +88,14 @@ absl::Status CheckMatrix(const char* name, const Eigen::MatrixXd& matrix,
 absl::Status CheckDelays(const char* name, const std::vector<int>& delays,
                          int wanted) {
   if (static_cast<int>(delays.size()) != wanted) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: ", name, " has ", delays.size(),
-                     " entries, must have ", wanted));
+    return InvalidArgument("state-space model: ", name, " has ", delays.size(),
+                           " entries, must have ", wanted);
   }
   for (const int delay : delays) {
     if (delay < 0 || delay > kMaxStateSpaceDelay) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "state-space model: ", name, " holds ", delay, ", must be from 0 to ",
-          kMaxStateSpaceDelay, " samples"));
+      return InvalidArgument("state-space model: ", name, " holds ", delay,
+                             ", must be from 0 to ", kMaxStateSpaceDelay,
+                             " samples");
     }
   }
   return absl::OkStatus();
@@ -110,9 +107,9 @@ absl::Status DiscreteStateSpace::Validate() const {
   MLE_RETURN_IF_ERROR(
       ValidateSampleTime("state-space model: sample_time", sample_time));
   if (order() < 1 || num_inputs() < 1 || num_outputs() < 1) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "state-space model: ", order(), " states, ", num_inputs(), " inputs, ",
-        num_outputs(), " outputs; each must be at least 1"));
+    return InvalidArgument("state-space model: ", order(), " states, ",
+                           num_inputs(), " inputs, ", num_outputs(),
+                           " outputs; each must be at least 1");
   }
   MLE_RETURN_IF_ERROR(CheckMatrix("A", A, order(), order()));
   MLE_RETURN_IF_ERROR(CheckMatrix("B", B, order(), num_inputs()));

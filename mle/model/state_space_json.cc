@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -26,9 +25,9 @@ absl::StatusOr<std::vector<int>> ReadDelays(const JsonNode& node, int wanted,
                                             const char* kind) {
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> entries, node.Elements());
   if (static_cast<int>(entries.size()) != wanted) {
-    return node.Fault(absl::StrCat("must be a list of ", wanted,
-                                   " whole numbers, one for each ", kind,
-                                   ", is one of ", entries.size()));
+    return node.Fault("must be a list of ", wanted,
+                      " whole numbers, one for each ", kind, ", is one of ",
+                      entries.size());
   }
   std::vector<int> delays;
   for (const JsonNode& entry : entries) {
@@ -46,9 +45,8 @@ absl::Status CheckErrors(const char* name, const std::vector<double>& errors,
     valid = valid && std::isfinite(error) && error >= 0.0;
   }
   if (valid) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("accuracy: ", name, " must hold ", num_outputs,
-                   " finite numbers ≥ 0, one for each output"));
+  return InvalidArgument("accuracy: ", name, " must hold ", num_outputs,
+                         " finite numbers ≥ 0, one for each output");
 }
 
 absl::StatusOr<StateSpaceAccuracy> ReadAccuracy(const JsonNode& node) {
@@ -86,8 +84,8 @@ absl::Status ReadWords(const JsonNode& top, const char* key,
 absl::Status CheckUnits(const char* key, const std::vector<std::string>& units,
                         std::size_t channels) {
   if (units.empty() || units.size() == channels) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(key, " has ", units.size(), " units, must have ", channels));
+  return InvalidArgument(key, " has ", units.size(), " units, must have ",
+                         channels);
 }
 
 // States that the file counts, or that A has rows.
@@ -152,7 +150,7 @@ absl::StatusOr<NamedStateSpace> ParseNamedStateSpace(const JsonNode& top) {
   NamedStateSpace reached = named;
   reached.unreached_states = LeaveOutUnreachedStates(reached.system);
   if (reached.unreached_states > 0 && reached.Validate().ok()) return reached;
-  return top.Fault(std::string(status.message()));
+  return top.Check(status);
 }
 
 }  // namespace
@@ -166,9 +164,9 @@ absl::Status NamedStateSpace::Validate() const {
   for (const std::string& input : disturbances) {
     if (std::find(inputs.begin(), inputs.end(), input) != inputs.end())
       continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        "disturbances: ", QuotedJson(input),
-        " is not an input; the inputs are ", absl::StrJoin(inputs, ", ")));
+    return InvalidArgument("disturbances: ", QuotedJson(input),
+                           " is not an input; the inputs are ",
+                           absl::StrJoin(inputs, ", "));
   }
   if (!accuracy.has_value()) return absl::OkStatus();
   MLE_RETURN_IF_ERROR(CheckErrors("error_bounds", accuracy->error_bounds,

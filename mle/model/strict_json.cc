@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -120,20 +121,17 @@ class Checker : public nlohmann::json_sax<nlohmann::json> {
 absl::StatusOr<nlohmann::json> ParseStrictJson(std::string_view text,
                                                std::string_view source) {
   if (text.size() > kMaxBytes) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(std::string(source), ": holds ", text.size(),
-                     " bytes, at most ", kMaxBytes, " are read"));
+    return InvalidArgument(std::string(source), ": holds ", text.size(),
+                           " bytes, at most ", kMaxBytes, " are read");
   }
   try {
     Checker checker(text);
     if (!nlohmann::json::sax_parse(text, &checker)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(std::string(source), ": ", checker.fault()));
+      return InvalidArgument(std::string(source), ": ", checker.fault());
     }
     return nlohmann::json::parse(text);
   } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(std::string(source), ": ", error.what()));
+    return InvalidArgument(std::string(source), ": ", error.what());
   }
 }
 

@@ -112,11 +112,11 @@ std::vector<double> WithoutIntegratorPole(std::vector<double> denominator) {
 
 // Every pole in the open left half-plane.
 absl::Status CheckStable(const std::vector<double>& denominator) {
-  const absl::Status unstable = absl::InvalidArgumentError(absl::StrCat(
+  const absl::Status unstable = InvalidArgument(
       "denominator ", Polynomial(denominator),
       " has a pole that is not in the open left half-plane (an unstable mode); "
       "every pole must have a negative real part, but for at most one at s = "
-      "0"));
+      "0");
   // Necessary for stability, and exact: a missing or turned sign.
   for (const double coefficient : denominator) {
     if (!(coefficient * std::copysign(1.0, denominator[0]) > 0.0)) {
@@ -129,10 +129,10 @@ absl::Status CheckStable(const std::vector<double>& denominator) {
                            std::sqrt(std::abs(denominator[0])) /
                            std::sqrt(std::abs(denominator[2]));
     if (damping >= kMinDampingRatio) return absl::OkStatus();
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "denominator ", Polynomial(denominator), " has a damping ratio of ",
         damping, "; below ", kMinDampingRatio,
-        " an oscillation cannot be told from one that does not end"));
+        " an oscillation cannot be told from one that does not end");
   }
   for (const std::complex<double> pole : Poles(denominator)) {
     if (!(pole.real() < -kMinDampingRatio * std::abs(pole))) return unstable;
@@ -146,17 +146,17 @@ absl::Status CheckPoles(const std::vector<double>& numerator,
                         const std::vector<double>& denominator) {
   const std::vector<double> others = WithoutIntegratorPole(denominator);
   if (others.size() > 1 && others.back() == 0.0) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "denominator ", Polynomial(denominator),
         " has more than one pole at s = 0; an element may integrate once (a "
-        "level, a pressure, an inventory), not twice"));
+        "level, a pressure, an inventory), not twice");
   }
   if (others.size() < denominator.size() && numerator.back() == 0.0 &&
       numerator[0] != 0.0) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("numerator ", Polynomial(numerator), " and denominator ",
-                     Polynomial(denominator),
-                     " are both zero at s = 0; cancel the common factor s"));
+    return InvalidArgument(
+        "numerator ", Polynomial(numerator), " and denominator ",
+        Polynomial(denominator),
+        " are both zero at s = 0; cancel the common factor s");
   }
   return CheckStable(others);
 }
@@ -193,48 +193,44 @@ TransferFunction TransferFunction::Integrator(double gain, double time_constant,
 absl::Status TransferFunction::Validate() const {
   const auto finite = [](double value) { return std::isfinite(value); };
   if (!std::all_of(numerator_.begin(), numerator_.end(), finite)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("numerator ", Polynomial(numerator_),
-                     " has a coefficient that is not finite"));
+    return InvalidArgument("numerator ", Polynomial(numerator_),
+                           " has a coefficient that is not finite");
   }
   if (!std::all_of(denominator_.begin(), denominator_.end(), finite)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("denominator ", Polynomial(denominator_),
-                     " has a coefficient that is not finite"));
+    return InvalidArgument("denominator ", Polynomial(denominator_),
+                           " has a coefficient that is not finite");
   }
   if (denominator_[0] == 0.0) {
     return absl::InvalidArgumentError(
         "denominator is zero; it needs a coefficient other than zero");
   }
   if (Degree(denominator_) > kMaxDegree) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("denominator has degree ", Degree(denominator_),
-                     ", must be at most ", kMaxDegree));
+    return InvalidArgument("denominator has degree ", Degree(denominator_),
+                           ", must be at most ", kMaxDegree);
   }
   if (numerator_.size() > denominator_.size()) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "numerator ", Polynomial(numerator_), " has degree ",
         Degree(numerator_), ", denominator ", Polynomial(denominator_),
         " degree ", Degree(denominator_),
-        "; the element must be proper, the numerator's degree not the larger"));
+        "; the element must be proper, the numerator's degree not the larger");
   }
   if (!(delay_ >= 0.0) || !std::isfinite(delay_)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("delay is ", delay_, ", must be finite and not negative"));
+    return InvalidArgument("delay is ", delay_,
+                           ", must be finite and not negative");
   }
   MLE_RETURN_IF_ERROR(CheckPoles(numerator_, denominator_));
   if (!CanBeRealised(*this)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "numerator ", Polynomial(numerator_), " over denominator ",
         Polynomial(denominator_),
         " overflows when divided by its leading or "
-        "last coefficient; give the coefficients in a more even range"));
+        "last coefficient; give the coefficients in a more even range");
   }
   if (const double time = delay_ + SlowestTimeConstant();
       !(time <= kLongestTime)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("delay and slowest time constant are together ", time,
-                     ", must be at most ", kLongestTime));
+    return InvalidArgument("delay and slowest time constant are together ",
+                           time, ", must be at most ", kLongestTime);
   }
   return absl::OkStatus();
 }

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
 #include "mle/model/process_simulator.h"
@@ -164,8 +161,8 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
   if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "watch: the sample time is ", sample_time, "; it must be > 0"));
+    return InvalidArgument("watch: the sample time is ", sample_time,
+                           "; it must be > 0");
   }
   ModelWatch watch;
   watch.model_ = model;
@@ -178,10 +175,10 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
         "long a change takes is not known");
   }
   if (!(settling / sample_time <= kMostSettling)) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return InvalidArgument(
         "watch: responses of the model settle after ", settling, " ",
         model.time_unit(), ", ", settling / sample_time, " samples; at most ",
-        kMostSettling, " are supported: compare its times with its time unit"));
+        kMostSettling, " are supported: compare its times with its time unit");
   }
   watch.skip_ = InSamples(settling, sample_time) + 1;
   watch.before_ = InSamples(0.5 * settling, sample_time);

@@ -1,7 +1,6 @@
 #include "mle/monitor/output_scores.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "Eigen/Eigenvalues"

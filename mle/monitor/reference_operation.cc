@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "mle/data/set_point_windows.h"
-
 namespace mle {
 
 std::vector<OutputOperation> OperationOf(const std::vector<WatchBatch>& batches,

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
-#include "Eigen/Core"
-#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 #include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/innovations_filter.h"
 #include "mle/nonlinear/output_error_correction.h"
@@ -177,9 +175,8 @@ absl::StatusOr<RowResponse> RowResponse::Create(const ProcessModel& model,
     absl::StatusOr<ElementResponse> element =
         ElementResponse::Create(model.element(output, j));
     if (!element.ok()) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("watch: element of ", PairName(model, output, j), ": ",
-                       element.status().message()));
+      return InvalidArgument("watch: element of ", PairName(model, output, j),
+                             ": ", element.status().message());
     }
     row.point_.values[j] = element->initial_values();
     row.elements_[j] = *std::move(element);

@@ -5,8 +5,6 @@
 #endif
 
 #include <algorithm>
-#include <cstdint>
-#include <vector>
 
 #include "glog/logging.h"
 #include "mle/regression/lagged_products.h"

@@ -1,6 +1,5 @@
 #include "mle/regression/lasso_path.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "glog/logging.h"

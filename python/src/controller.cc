@@ -1,9 +1,6 @@
 // mle.Mpc: the predictive controller.
 
-#include <string>
-#include <utility>
-
-#include "apps/common/controller_options.h"
+#include "apps/common/shared_options.h"
 #include "control/mpc.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"

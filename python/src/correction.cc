@@ -1,20 +1,15 @@
 // mle.correct: mle_correct's request, run and results, from Python's arguments.
 
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/run_again.h"
+#include "apps/common/command_line.h"
 #include "apps/common/sha256.h"
 #include "apps/correct/data_sources.h"
-#include "apps/correct/figures.h"
-#include "apps/correct/outputs.h"
-#include "apps/correct/page.h"
+#include "apps/correct/report.h"
 #include "apps/correct/request.h"
 #include "apps/correct/result.h"
 #include "apps/report/drawing.h"

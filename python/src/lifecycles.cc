@@ -1,13 +1,11 @@
 // mle.lifecycle: mle_lifecycle's request, lives and results.
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
-#include "apps/common/run_again.h"
+#include "apps/common/command_line.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
@@ -41,22 +39,6 @@ struct LifecycleCall {
   LifecycleCall() { lifecycle::AddOptions(request, table); }
 };
 
-absl::StatusOr<lifecycle::Lives> Live(const lifecycle::Campaign& campaign,
-                                      const experiment::Work& work,
-                                      const ProgressCallback& report,
-                                      experiment::RunFolder& folder) {
-  bool stopped = false;
-  MLE_RETURN_IF_ERROR(folder.RunRemaining(
-      work, experiment::RunThreads(campaign.threads), [&] { return stopped; },
-      [&](std::int64_t done, std::int64_t total) {
-        const double fraction =
-            static_cast<double>(done) / static_cast<double>(total);
-        if (!report({"lives", fraction})) stopped = true;
-      }));
-  if (!folder.is_done()) return absl::CancelledError("stopped");
-  return lifecycle::ReadLives(campaign, folder);
-}
-
 absl::StatusOr<ResultFiles> RunLifecycleCall(LifecycleCall& call,
                                              const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
@@ -67,8 +49,11 @@ absl::StatusOr<ResultFiles> RunLifecycleCall(LifecycleCall& call,
       experiment::RunFolder folder,
       experiment::RunFolder::Open(work, campaign.folder, campaign.part,
                                   /*resume=*/true));
+  MLE_ASSIGN_OR_RETURN(const bool done, RunRemaining(work, campaign.threads,
+                                                     "lives", report, folder));
+  if (!done) return absl::CancelledError("stopped");
   MLE_ASSIGN_OR_RETURN(lifecycle::Lives lives,
-                       Live(campaign, work, report, folder));
+                       lifecycle::ReadLives(campaign, folder));
   const lifecycle::Results results =
       lifecycle::Evaluate(call.request, std::move(lives));
   NamesAndValues options = ShapingResults(call.table.Values());

@@ -2,15 +2,12 @@
 
 #include "python/src/models.h"
 
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "mle/base/status.h"
 #include "mle/data/sampling.h"
 #include "mle/exchange/state_space_responses.h"
-#include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"
@@ -24,13 +21,6 @@ namespace py = pybind11;
 
 // More than anybody wants to have in memory.
 constexpr double kMostSamples = 1e8;
-
-template <typename Channel>
-std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
-  std::vector<std::string> names;
-  for (const Channel& channel : channels) names.push_back(channel.name);
-  return names;
-}
 
 template <typename Channel>
 std::vector<std::string> UnitsOf(const std::vector<Channel>& channels) {
@@ -56,8 +46,8 @@ py::array StepResponseOf(const ProcessModel& model, double sample_time,
   if (samples < 1 || values > kMostSamples) {
     throw py::value_error(
         absl::StrCat("samples = ", samples,
-                     ": it must be at least 1, and all "
-                     "responses together at most 1e8 values"));
+                     ": it must be at least 1, and all responses together at "
+                     "most 1e8 values"));
   }
   auto* const response =
       new StepResponse(model.ComputeStepResponse(sample_time, samples));

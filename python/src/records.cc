@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/record_options.h"
 #include "apps/correct/request.h"
 #include "mle/base/status.h"
 #include "mle/database/record_sources.h"
@@ -166,8 +165,7 @@ void AddRecords(py::module_& module) {
       "set_points (N, p) or None. Inputs act from their sample to the next; "
       "outputs are measured just before the inputs change. NaN marks a bad "
       "sample, as does a mask. Channels stand in the order of the process "
-      "model, times are in "
-      "its unit.")
+      "model, times are in its unit.")
       .def(py::init(&MakeRecord), py::arg("outputs"), py::arg("inputs"),
            py::arg("set_points") = py::none(), py::kw_only(),
            py::arg("sample_time"), py::arg("start_time") = 0.0,

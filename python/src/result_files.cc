@@ -1,5 +1,6 @@
 #include "python/src/result_files.h"
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
@@ -45,6 +46,21 @@ absl::StatusOr<ResultFiles> ResultFolder::Read(
     files.emplace_back(name, std::move(text));
   }
   return files;
+}
+
+absl::StatusOr<bool> RunRemaining(const experiment::Work& work, int threads,
+                                  const char* what,
+                                  const ProgressCallback& report,
+                                  experiment::RunFolder& folder) {
+  bool stopped = false;
+  MLE_RETURN_IF_ERROR(folder.RunRemaining(
+      work, experiment::RunThreads(threads), [&] { return stopped; },
+      [&](std::int64_t done, std::int64_t total) {
+        const double fraction =
+            static_cast<double>(done) / static_cast<double>(total);
+        if (!report({what, fraction})) stopped = true;
+      }));
+  return folder.is_done();
 }
 
 py::dict TextsOf(const ResultFiles& files) {

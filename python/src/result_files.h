@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/experiment/run_folder.h"
 #include "pybind11/pybind11.h"
+#include "python/src/long_call.h"
 
 namespace mle::python {
 
@@ -37,6 +39,13 @@ class ResultFolder {
   std::string path_;
   bool passing_;  // removed in the end
 };
+
+// Does what is left of the work in `folder`, and reports the part done as that
+// of `what`. False if `report` stopped it.
+absl::StatusOr<bool> RunRemaining(const experiment::Work& work, int threads,
+                                  const char* what,
+                                  const ProgressCallback& report,
+                                  experiment::RunFolder& folder);
 
 // {name: text}.
 pybind11::dict TextsOf(const ResultFiles& files);

@@ -1,10 +1,7 @@
 // mle.simulate: mle_simulate's request and run; plants stepped by hand.
 
-#include "apps/simulate/simulation.h"
-
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "apps/simulate/request.h"
 #include "mle/data/sampling.h"

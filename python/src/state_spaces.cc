@@ -2,11 +2,8 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "mle/exchange/model_file.h"
-#include "mle/exchange/state_space_responses.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"

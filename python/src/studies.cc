@@ -1,16 +1,12 @@
 // mle.study: mle_study's campaign on the threads of this process.
 
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/run_again.h"
+#include "apps/common/command_line.h"
 #include "apps/experiment/study.h"
-#include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "pybind11/stl.h"
 #include "python/src/bindings.h"
@@ -39,25 +35,6 @@ const std::vector<std::string>& FilesOfStudy() {
   return names;
 }
 
-absl::Status RunAll(const StudyCall& call, const experiment::Work& runs,
-                    experiment::RunFolder& folder,
-                    const ProgressCallback& report) {
-  bool stopped = false;
-  MLE_RETURN_IF_ERROR(folder.RunRemaining(
-      runs, experiment::RunThreads(call.threads), [&] { return stopped; },
-      [&](std::int64_t done, std::int64_t total) {
-        const double fraction =
-            static_cast<double>(done) / static_cast<double>(total);
-        if (!report({"runs", fraction})) stopped = true;
-      }));
-  if (folder.is_done()) return absl::OkStatus();
-  return absl::CancelledError(absl::StrCat(
-      "stopped after ", folder.num_done(), " of ", folder.runs(), " runs",
-      call.out.empty() ? std::string()
-                       : absl::StrCat(", which are kept in ", call.out,
-                                      "; resume=True resumes from there")));
-}
-
 absl::StatusOr<ResultFiles> RunStudyCall(const StudyCall& call,
                                          const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
@@ -65,7 +42,15 @@ absl::StatusOr<ResultFiles> RunStudyCall(const StudyCall& call,
   MLE_ASSIGN_OR_RETURN(
       experiment::RunFolder folder,
       experiment::OpenFolder(call.work, runs, out.path(), Part(), call.resume));
-  MLE_RETURN_IF_ERROR(RunAll(call, runs, folder, report));
+  MLE_ASSIGN_OR_RETURN(const bool done, RunRemaining(runs, call.threads, "runs",
+                                                     report, folder));
+  if (!done) {
+    return absl::CancelledError(absl::StrCat(
+        "stopped after ", folder.num_done(), " of ", folder.runs(), " runs",
+        call.out.empty() ? std::string()
+                         : absl::StrCat(", which are kept in ", call.out,
+                                        "; resume=True resumes from there")));
+  }
   report::RunAgain again = HowToCallAgain(call.text, {}, {});
   MLE_RETURN_IF_ERROR(
       Conclude(call.work, folder, call.figures, again).status());

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "apps/common/option_values.h"
-#include "apps/simulate/named_values.h"
+#include "apps/simulate/request.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/time_format.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,9 +1,7 @@
 // A damaged state of mle_watch: what is read of it makes pages, or is an error.
 
 #include "apps/watch/health.h"
-#include "apps/watch/metrics.h"
-#include "apps/watch/page.h"
-#include "apps/watch/report_json.h"
+#include "apps/watch/report.h"
 #include "apps/watch/state.h"
 #include "nlohmann/json.hpp"
 #include "tests/fuzz/fuzz.h"

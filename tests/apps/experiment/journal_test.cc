@@ -1,5 +1,3 @@
-#include "apps/experiment/journal.h"
-
 #include <fstream>
 #include <memory>
 #include <string>
@@ -7,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/experiment/campaign_json.h"
 #include "apps/experiment/grid.h"
+#include "apps/experiment/run_folder.h"
 #include "apps/experiment/study.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

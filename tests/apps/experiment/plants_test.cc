@@ -1,9 +1,8 @@
-#include "apps/experiment/plants.h"
-
 #include <cmath>
 #include <string>
 
 #include "Eigen/SVD"
+#include "apps/experiment/campaign.h"
 #include "apps/experiment/campaign_json.h"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"

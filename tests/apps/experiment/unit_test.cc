@@ -1,11 +1,10 @@
-#include "apps/experiment/unit.h"
-
 #include <cmath>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "apps/experiment/campaign_json.h"
+#include "apps/experiment/study.h"
 #include "gtest/gtest.h"
 #include "tests/apps/experiment/small_campaign.h"
 

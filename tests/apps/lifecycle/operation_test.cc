@@ -1,8 +1,7 @@
-#include "apps/lifecycle/operation.h"
 
 #include <cmath>
 
-#include "apps/lifecycle/update.h"
+#include "apps/lifecycle/life.h"
 #include "control/mpc.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

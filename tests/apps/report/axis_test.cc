@@ -1,11 +1,10 @@
-#include "apps/report/axis.h"
-
 #include <cmath>
 #include <random>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "apps/report/layout.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"

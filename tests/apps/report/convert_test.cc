@@ -1,4 +1,3 @@
-#include "apps/report/convert.h"
 
 #include <sys/stat.h>
 

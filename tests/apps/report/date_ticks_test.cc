@@ -1,5 +1,3 @@
-#include "apps/report/date_ticks.h"
-
 #include <cmath>
 #include <random>
 #include <string>
@@ -7,6 +5,7 @@
 
 #include "absl/time/civil_time.h"
 #include "absl/time/time.h"
+#include "apps/report/layout.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/font.h"
+#include "apps/report/text.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

@@ -1,7 +1,6 @@
-#include "apps/report/number.h"
-
 #include <limits>
 
+#include "apps/report/text.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/report/layout.h"
-#include "apps/report/svg_parts.h"
 #include "apps/report/text.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

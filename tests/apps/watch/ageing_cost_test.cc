@@ -1,4 +1,3 @@
-#include "apps/watch/ageing_cost.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,9 +6,7 @@
 #include <vector>
 
 #include "apps/watch/health.h"
-#include "apps/watch/metrics.h"
-#include "apps/watch/page.h"
-#include "apps/watch/report_json.h"
+#include "apps/watch/report.h"
 #include "control/mpc.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -1,8 +1,7 @@
-#include "apps/watch/days.h"
-
 #include <cmath>
 
-#include "apps/watch/proposal.h"
+#include "apps/watch/source.h"
+#include "apps/watch/update.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

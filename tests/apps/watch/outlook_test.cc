@@ -4,8 +4,7 @@
 #include <string>
 
 #include "apps/watch/health.h"
-#include "apps/watch/page.h"
-#include "apps/watch/report_json.h"
+#include "apps/watch/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"

@@ -1,5 +1,3 @@
-#include "apps/watch/routes.h"
-
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -8,7 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "apps/watch/database.h"
-#include "apps/watch/metrics.h"
+#include "apps/watch/report.h"
+#include "apps/watch/site.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"

@@ -1,7 +1,5 @@
 // Forms of times: what they read, what they refuse, and what is recognised.
 
-#include "mle/data/time_pattern.h"
-
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,6 +1,111 @@
-#include "apps/common/correct_options.h"
+#include "apps/common/shared_options.h"
+
+#include "apps/report/text.h"
+#include "mle/base/double_limits.h"
+#include "mle/base/status.h"
 
 namespace mle {
+
+std::vector<Option> OptionsOf(control::MpcOptions& mpc) {
+  NumberRange ratio = kNotNegative;
+  ratio.infinite = true;
+  return {
+      {"control_period", &mpc.control_period,
+       "Control period Δt_c, a multiple of --sample_time.", "min", kPositive},
+      {"prediction_horizon", &mpc.prediction_horizon, "Prediction horizon H_p.",
+       "control periods", AtLeast(1)},
+      {"control_horizon", &mpc.control_horizon, "Control horizon H_c ≤ H_p.",
+       "control periods", AtLeast(1)},
+      {"output_weight", ForEachOutput(&mpc.output_weight, "0.2"),
+       "Weight Q_y on tracking errors: one value, or one for each output, "
+       "separated by commas.",
+       "", kNotNegative},
+      {"move_weight", ForEachInput(&mpc.move_weight, "0.1"),
+       "Weight Q_u on input moves: one value, or one for each input.", "",
+       kNotNegative},
+      {"disturbance_variance_ratio", &mpc.disturbance_variance_ratio,
+       "Disturbance observer: increment variance of the output disturbance "
+       "over the noise variance.",
+       "", ratio},
+  };
+}
+
+std::vector<Option> OptionsOf(control::MpcLimits& limits) {
+  return {
+      {"min_input", LimitOfEachInput(&limits.min_input, -kInfinity),
+       "Lower limits of the inputs in the controller: one value, or one for "
+       "each input; none: no limit. Empty: no limits."},
+      {"max_input", LimitOfEachInput(&limits.max_input, kInfinity),
+       "Upper limits of the inputs in the controller, as --min_input."},
+      {"max_move", LimitOfEachInput(&limits.max_move, kInfinity),
+       "Largest move of each input in a control period, as --min_input.", "",
+       kNotNegative},
+      {"min_output", LimitOfEachOutput(&limits.min_output, -kInfinity),
+       "Lower limits of the outputs in the controller (soft): one value, or "
+       "one for each output; none: no limit."},
+      {"max_output", LimitOfEachOutput(&limits.max_output, kInfinity),
+       "Upper limits of the outputs in the controller (soft), as "
+       "--min_output."},
+      {"output_limit_cost", ForEachOutput(&limits.output_limit_cost, "1000"),
+       "Weight of the squared violation of an output limit in the controller: "
+       "one value, or one for each output.",
+       "", kPositive},
+  };
+}
+
+absl::Status CheckController(const control::MpcOptions& mpc,
+                             const ProcessModel& model) {
+  const absl::Status status =
+      mpc.Validate(model.num_outputs(), model.num_inputs());
+  if (status.ok()) return status;
+  return InvalidArgument(
+      "controller (--prediction_horizon, --control_horizon, --output_weight, "
+      "--move_weight, --disturbance_variance_ratio and limits): ",
+      status.message());
+}
+
+namespace {
+
+constexpr int kLongestCurrency = 12;
+
+}  // namespace
+
+std::vector<Option> OptionsOf(control::Prices& prices) {
+  return {
+      {"price_squared_error", ForEachOutput(&prices.squared_error, "10000"),
+       "Price of a squared unit of deviation from the set point for an hour: "
+       "one value, or one for each output.",
+       "", kNotNegative},
+      {"price_absolute_error", ForEachOutput(&prices.absolute_error, "0"),
+       "Price of a unit of deviation from the set point for an hour: one "
+       "value, or one for each output.",
+       "", kNotNegative},
+      {"price_violation", ForEachOutput(&prices.violation, "1000"),
+       "Price of a unit beyond an output limit for an hour: one value, or one "
+       "for each output.",
+       "", kNotNegative},
+      {"price_movement", ForEachInput(&prices.movement, "0.1"),
+       "Price of a unit of input movement: one value, or one for each input.",
+       "", kNotNegative},
+      {"price_test_hour", &prices.test_hour,
+       "Price of an hour of step test, in addition to the product made in it.",
+       "", kNotNegative},
+      {"price_engineer_hour", &prices.engineer_hour,
+       "Price of an engineer's hour.", "", kNotNegative},
+      {"hours_per_update", &prices.hours_per_update,
+       "Engineer's time for a proposed correction.", "h", kNotNegative},
+      {"hours_per_test", &prices.hours_per_test,
+       "Engineer's time for a step test.", "h", kNotNegative},
+  };
+}
+
+absl::Status CheckCurrency(const std::string& name) {
+  const int width = report::DisplayWidth(report::CleanText(name));
+  if (width <= kLongestCurrency) return absl::OkStatus();
+  return InvalidArgument("is ", width, " characters long; at most ",
+                         kLongestCurrency, " are shown: EUR");
+}
+
 namespace {
 
 constexpr NumberRange kFraction{.min = 0.0, .max = 1.0, .open_max = true};
@@ -50,8 +155,7 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
        "Estimator of the corrected model."},
       {"false_alarm_probability", &output_error.false_alarm_probability,
        "Probability of a false alarm of all tests of no change together, and "
-       "of "
-       "naming an element that has not changed.",
+       "of naming an element that has not changed.",
        "", kProbability},
       {"confidence", &output_error.confidence,
        "Confidence level of the intervals.", "", kProbability},

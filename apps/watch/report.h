@@ -1,7 +1,7 @@
-// The pages of the watch.
+// What is shown of reports: pages, JSON and metrics.
 
-#ifndef APPS_WATCH_PAGE_H_
-#define APPS_WATCH_PAGE_H_
+#ifndef APPS_WATCH_REPORT_H_
+#define APPS_WATCH_REPORT_H_
 
 #include <cstdint>
 #include <string>
@@ -12,6 +12,8 @@
 #include "apps/watch/state.h"
 
 namespace mle::watch {
+
+// The pages of the watch.
 
 // Words that the pages of the watch share.
 
@@ -53,6 +55,31 @@ inline constexpr char kAlarmsPage[] = "alarms.html";
 inline constexpr char kAcknowledgePath[] = "/acknowledge";
 std::string PageName(const Report& report);
 
+// The results of the watch for programs: watch.json, and the answers of the
+// server (docs/watch.md).
+
+// watch.json.
+std::string FormatReports(const std::vector<Report>& reports);
+
+// A list with one line for each controller.
+std::string FormatControllers(const std::vector<Report>& reports);
+// One controller, as in watch.json.
+std::string FormatController(const Report& report);
+// The health of its outputs at the ends of the days from one to another.
+std::string FormatHistory(const Report& report, int from, int to);
+// The alarms of all controllers: only those not acknowledged, or all.
+std::string FormatAlarms(const std::vector<Report>& reports, bool only_open);
+
+// The state of all watches for Prometheus (text format 0.0.4).
+
+// `read_at`: when the state was read, s since 1970; `fault`: why it could not
+// be read since.
+std::string FormatMetrics(const std::vector<Report>& reports,
+                          std::int64_t read_at, const std::string& fault = "");
+
+// As the value of a label: UTF-8, with \\, \" and \n.
+std::string EscapeLabel(std::string_view text);
+
 }  // namespace mle::watch
 
-#endif  // APPS_WATCH_PAGE_H_
+#endif  // APPS_WATCH_REPORT_H_
