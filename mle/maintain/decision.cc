@@ -235,10 +235,9 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
                                   const DecisionOptions& options) {
   constexpr double kMissing = 3.0;  // E/N
   const InstrumentEvidence& judge = *output.instruments;
-  const bool holds = output.proposed && judge.confirms_proposal &&
-                     output.scores.has_value() &&
-                     Holds(*output.scores, options.deviations,
-                           !judge.by_set_points);
+  const bool holds =
+      output.proposed && judge.confirms_proposal && output.scores.has_value() &&
+      Holds(*output.scores, options.deviations, !judge.by_set_points);
   if (holds) {
     return {Acceptance::kProposal, Better(output, options.deviations)};
   }

@@ -320,7 +320,9 @@ std::string ErrorsText(const OutputExplanation& output,
         absl::StrFormat(" is %.3g after %.3g", error.explained, error.initial));
   }
   const std::string& unit = model.outputs()[i].unit;
-  return text.empty() || unit.empty() || unit == "-" ? text : absl::StrCat(text, " ", unit);
+  return text.empty() || unit.empty() || unit == "-"
+             ? text
+             : absl::StrCat(text, " ", unit);
 }
 
 // All horizons together, none much worse, one by more than chance.
