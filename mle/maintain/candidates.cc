@@ -145,8 +145,9 @@ absl::StatusOr<std::optional<Competition>> Compete(
   const Stage stage(options.progress, "comparing explanations");
   MLE_RETURN_IF_ERROR(stage.status());
   // Whole records have more placebos than their windows; a shutdown between
-  // these is nothing to be explained.
-  const bool whole = data.operated_as_usual && !data.records.empty();
+  // these is nothing to be explained, nor is what a user leaves out.
+  const bool whole = data.operated_as_usual && !data.records.empty() &&
+                     options.records.leave_out.empty();
   ExplainOptions explain = options.explain;
   explain.threads = options.threads;
   explain.expected.resize(candidates.initial.num_outputs(),

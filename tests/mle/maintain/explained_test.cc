@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "mle/mle.h"
@@ -47,8 +49,10 @@ TEST(ExplainedTest, OutputsThatContradictEachOtherCannotTell) {
   EXPECT_EQ(result->model.element(1, 0).StaticGain(), -0.9);
 }
 
-CorrectionResult Correct(const std::vector<Record>& records) {
+CorrectionResult Correct(const std::vector<Record>& records,
+                         std::vector<double> leave_out = {}) {
   CorrectOptions options;
+  options.records.leave_out = std::move(leave_out);
   options.make_arx = false;
   options.threads = 1;
   auto result = CorrectFromRecords(TwoLoops(), records, options);
@@ -73,6 +77,39 @@ TEST(ExplainedTest, AGainThatChangedDuringTheRecordIsHandedOverAsItIsNow) {
                         "is × 0."),
             std::string::npos)
       << reason;
+}
+
+TEST(ExplainedTest, WhatIsLeftOutExplainsNothing) {
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 10.0, 2.0);
+  const Record right = CloseLoops(TwoLoops(), 5, {.samples = 1000});
+  Record aged = CloseLoops(plant, 6, {.samples = 1000});
+  aged.start_time = 5000.0;
+  std::vector<double> times;
+  for (int k = 65; k < 1000; k += 120) times.push_back(5000.0 + k);
+  EXPECT_FALSE(Correct({right, aged}).explanations[0].taken.empty());
+  const CorrectionResult result = Correct({right, aged}, times);
+  EXPECT_TRUE(result.explanations[0].taken.empty());
+  EXPECT_EQ(result.decision, Decision::kNoChange);
+}
+
+// A lag that the model has in its dead time is a shape to the likelihood; the
+// gain is what has aged.
+TEST(ExplainedTest, AShapeIsNotTakenWhereAParameterExplainsAsMuch) {
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 10.0, 0.0);
+  double valve = 0.0;
+  Happening lag;
+  lag.input = [&](int j, double asked) {
+    if (j == 0) valve += 0.4 * (asked - valve);
+    return j == 0 ? valve : asked;
+  };
+  lag.noise = 0.01;
+  const CorrectionResult result = Correct({CloseLoops(plant, 5, lag)});
+  EXPECT_EQ(result.decision, Decision::kCorrected);
+  const TransferFunction& element = result.model.element(0, 0);
+  EXPECT_EQ(element.denominator().size(), 2u);
+  EXPECT_NEAR(element.StaticGain(), 1.2, 0.06);
 }
 
 TEST(ExplainedTest, ADeadSensorLeavesTheOtherOutputs) {
