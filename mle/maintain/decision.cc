@@ -230,13 +230,23 @@ OutputVerdict NotTaken(Message reason) {
   return {Acceptance::kNothing, std::move(reason)};
 }
 
+// Whether the proposal's error of free simulation of what was held out is by
+// almost a third below that of what won.
+bool SimulatesBetter(const OutputEvidence& output) {
+  constexpr double kBetter = 0.7;
+  return std::sqrt(1.0 - output.scores->simulated.gain) <
+         kBetter * output.instruments->simulated;
+}
+
 // By what set points, or other instruments, drive of the residual.
 OutputVerdict DecideByInstruments(const OutputEvidence& output,
                                   const DecisionOptions& options) {
   constexpr double kMissing = 3.0;  // E/N
   const InstrumentEvidence& judge = *output.instruments;
   const bool holds =
-      output.proposed && judge.confirms_proposal && output.scores.has_value() &&
+      output.proposed && output.scores.has_value() &&
+      (judge.confirms_proposal ||
+       (judge.allows_proposal && SimulatesBetter(output))) &&
       Holds(*output.scores, options.deviations, !judge.by_set_points);
   if (holds) {
     return {Acceptance::kProposal, Better(output, options.deviations)};

@@ -97,6 +97,8 @@ struct InstrumentEvidence {
   // The estimate by likelihood explains what set points drive as well as what
   // won, and names the same elements or decides between those that tie.
   bool confirms_proposal = false;
+  // It explains as much as what won; it is taken where it predicts better.
+  bool allows_proposal = false;
   // The proposal would have shown in what set points drive, and has not.
   bool refutes_proposal = false;
   // On blocks held out: no error of a horizon grew beyond chance, and one fell;
@@ -105,6 +107,9 @@ struct InstrumentEvidence {
   // The model in use is not the process model: the scores have to hold, too.
   bool another_in_use = false;
   std::string errors;
+  // Of what won: the error of free simulation of blocks held out over that of
+  // the model as it was.
+  double simulated = 1.0;
   // E/N of what is left.
   double left = 0.0;
 };

@@ -325,6 +325,16 @@ std::string ErrorsText(const OutputExplanation& output,
              : absl::StrCat(text, " ", unit);
 }
 
+// What is left of the error of free simulation, as a share.
+double SimulatedRatio(const OutputExplanation& output) {
+  for (const HorizonErrors& error : output.held_out) {
+    if (error.horizon == 0.0 && error.initial > 0.0) {
+      return error.explained / error.initial;
+    }
+  }
+  return 1.0;
+}
+
 // All horizons together, none much worse, one by more than chance.
 bool PredictsBetter(const OutputExplanation& output) {
   bool fallen = false;
@@ -398,6 +408,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     evidence.predicts_better = PredictsBetter(output);
     evidence.another_in_use = static_cast<bool>(candidates.options.in_use);
     evidence.errors = ErrorsText(output, candidates.initial, i);
+    evidence.simulated = SimulatedRatio(output);
   }
   if (ProposesChange(candidates.estimate, i) &&
       !ProposesByArx(candidates.estimate, i)) {
@@ -420,18 +431,18 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
         evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
     const bool better =
         contested.empty() && evidence_from(output.remaining) > most;
+    evidence.allows_proposal =
+        explains && !reversed && correctable &&
+        energy < output.remaining + kAgrees * output.unit;
     // A shape more is no simpler an explanation.
-    const bool as_much = energy < output.remaining + kAgrees * output.unit &&
-                         (!ProposesShape(candidates.estimate, i) ||
-                          output.taken.empty() || HasShape(output));
+    const bool no_shape_more = !ProposesShape(candidates.estimate, i) ||
+                               output.taken.empty() || HasShape(output);
     evidence.confirms_proposal =
-        explains && !reversed &&
-        (better ||
-         (correctable && as_much &&
-          (ProposesNewPath(candidates, i) ||
-           NumProposed(candidates, i) < output.taken.size() || same ||
-           !evidence.tie.empty() || !evidence.predicts_better)) ||
-         output.taken.empty());
+        (explains && !reversed && (better || output.taken.empty())) ||
+        (evidence.allows_proposal && no_shape_more &&
+         (ProposesNewPath(candidates, i) ||
+          NumProposed(candidates, i) < output.taken.size() || same ||
+          !evidence.tie.empty() || !evidence.predicts_better));
     // Inputs that answer disturbances refute nothing; where none does, hold-out
     // judges.
     evidence.refutes_proposal =

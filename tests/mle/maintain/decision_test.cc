@@ -171,6 +171,11 @@ TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
   const InstrumentEvidence better = {.ageing = true, .predicts_better = true};
   InstrumentEvidence tie = better;
   tie.tie = "Two explanations …";
+  InstrumentEvidence allows = better;
+  allows.allows_proposal = true;
+  allows.simulated = 0.5;  // the proposal: 0.32
+  InstrumentEvidence as_good = allows;
+  as_good.simulated = 0.4;
   InstrumentEvidence beside = better;
   beside.other = "The valve …";
   const Row rows[] = {
@@ -181,6 +186,10 @@ TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
        MessageCode::kPredictsBetter},
       {"ageing wins", better, Acceptance::kExplained, Decision::kCorrected,
        MessageCode::kPredictsBetter},
+      {"a proposal that simulates better", allows, Acceptance::kProposal,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
+      {"a proposal that simulates as well", as_good, Acceptance::kExplained,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
       {"ageing beside something else", beside, Acceptance::kExplained,
        Decision::kCorrected, MessageCode::kPredictsBetter},
       {"it predicts no better",
