@@ -23,12 +23,12 @@ constexpr int kColumns = 3;
 constexpr std::size_t kMostChanged = 6;
 constexpr std::size_t kMostLoops = 6;
 
-// "% per t/h": of a step response.
+// "% per t/h": of a step response; "-" is no unit.
 std::string ResponseUnit(const ProcessModel& model, const PairPlace& pair) {
   const std::string& y = model.outputs()[pair.output].unit;
   const std::string& u = model.inputs()[pair.input].unit;
-  if (y.empty() || u.empty()) return "step response";
-  return absl::StrCat(y, " per ", u);
+  if (y.empty() || u.empty() || (y == "-" && u == "-")) return "step response";
+  return absl::StrCat(y == "-" ? "1" : y, " per ", u == "-" ? "1" : u);
 }
 
 int RowsFor(std::size_t panels, int columns) {

@@ -307,6 +307,11 @@ TEST(CompetitionTest, ExactRecordsAreNoNaN) {
   const Competition aged =
       Compete({CloseLoops(Aged(0, 0, 0.6, 1.0, 0.0), 1, exact)});
   EXPECT_NEAR(aged.Explained(0, 0).gain, 1.2, 0.01);
+  ASSERT_FALSE(aged.outputs()[0].held_out.empty());
+  for (const HorizonErrors& error : aged.outputs()[0].held_out) {
+    EXPECT_TRUE(std::isfinite(error.deviations));
+    EXPECT_GT(error.deviations, 1.5);
+  }
 }
 
 TEST(CompetitionTest, OtherModelsAreJudgedByWhatTheyLeave) {
