@@ -17,6 +17,8 @@ namespace {
 // Evidence that a proposal must have where nothing won by itself: 5 %, being
 // one hypothesis, not the best of a table.
 constexpr double kLeastEvidence = 3.0;
+// How many times as much evidence where inputs stand for set points and answer.
+constexpr double kAnswered = 2.0;
 // By how many M the likelihood's estimate may explain less than the best.
 constexpr double kAgrees = 3.0;
 // A proposal that is not confirmed is no doubt if no response changes by more
@@ -425,10 +427,13 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     // Small changes are not taken on little evidence, nor doubted for it.
     const bool is_small = LargestChange(candidates, i) < kSmall;
     const double most = candidates.options.explain.evidence;
-    // Without feedback what is held out is judge enough.
+    // Without feedback what is held out is judge enough; inputs that answer
+    // disturbances are hardly one.
+    const double asked = output.answered() ? kAnswered * most
+                         : is_small        ? most
+                                           : kLeastEvidence;
     const bool explains =
-        output.open_loop() ||
-        evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
+        output.open_loop() || evidence_from(output.energy) > asked;
     const bool better =
         contested.empty() && evidence_from(output.remaining) > most;
     evidence.allows_proposal =

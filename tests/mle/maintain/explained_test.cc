@@ -112,6 +112,19 @@ TEST(ExplainedTest, AShapeIsNotTakenWhereAParameterExplainsAsMuch) {
   EXPECT_NEAR(element.StaticGain(), 1.2, 0.06);
 }
 
+// Inputs that answer the output are hardly instruments.
+TEST(ExplainedTest, WithoutSetPointsLittleEvidenceIsNoneWhereInputsAnswer) {
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.4, 10.0, 2.0);
+  Record record = CloseLoops(plant, 4, {.noise = 0.03, .drift = 0.06});
+  record.set_points.setZero();
+  const CorrectionResult result = Correct({record});
+  EXPECT_TRUE(result.explanations[0].answered());
+  EXPECT_EQ(result.accepted_outputs[0], Acceptance::kNothing);
+  EXPECT_EQ(result.decision, Decision::kCannotTell);
+  EXPECT_EQ(result.reasons.back().code, MessageCode::kNotConfirmed);
+}
+
 TEST(ExplainedTest, ADeadSensorLeavesTheOtherOutputs) {
   ProcessModel plant = TwoLoops();
   plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 10.0, 2.0);
