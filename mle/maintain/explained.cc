@@ -18,7 +18,7 @@ namespace {
 // one hypothesis, not the best of a table.
 constexpr double kLeastEvidence = 3.0;
 // How many times as much evidence where inputs stand for set points and answer.
-constexpr double kAnswered = 2.0;
+constexpr double kWhereAnswered = 2.0;
 // By how many M the likelihood's estimate may explain less than the best.
 constexpr double kAgrees = 3.0;
 // A proposal that is not confirmed is no doubt if no response changes by more
@@ -429,7 +429,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     const double most = candidates.options.explain.evidence;
     // Without feedback what is held out is judge enough; inputs that answer
     // disturbances are hardly one.
-    const double asked = output.answered() ? kAnswered * most
+    const double asked = output.answered() ? kWhereAnswered * most
                          : is_small        ? most
                                            : kLeastEvidence;
     const bool explains =
