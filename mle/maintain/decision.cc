@@ -47,28 +47,22 @@ const Horizon* FirstGain(const OutputScores& scores, double deviations) {
   return nullptr;
 }
 
+// By which no error may grow where what is held out is the only judge.
+constexpr double kWorseOfOnlyJudge = 1.05;
+
 // Whether free simulation explains anything of what was held out: is nearer to
 // it than its mean.
 bool Explains(const OutputScores& scores) {
   return scores.simulated.corrected > 0.0;
 }
 
-// Whether the errors of all horizons together fall, and none grows by a fifth;
-// by a twentieth where what is held out is the only judge.
-bool FallTogether(const OutputScores& scores, bool only_judge) {
-  const double worse = only_judge ? 1.05 : 1.2;
-  double log_ratio = 0.0;
-  for (const Horizon& horizon : kHorizons) {
-    const double ratio = std::sqrt(1.0 - (scores.*horizon.score).gain);
-    if (!(ratio < worse)) return false;
-    log_ratio += std::log(std::max(ratio, 1e-300));
-  }
-  return log_ratio < 0.0;
-}
-
 bool Holds(const OutputScores& scores, double deviations,
-           bool only_judge = false) {
-  return Explains(scores) && FallTogether(scores, only_judge) &&
+           double worse = kWorse) {
+  std::vector<double> ratios;
+  for (const Horizon& horizon : kHorizons) {
+    ratios.push_back(std::sqrt(1.0 - (scores.*horizon.score).gain));
+  }
+  return Explains(scores) && FallTogether(ratios, worse) &&
          FirstFall(scores, deviations) == nullptr &&
          FirstGain(scores, deviations) != nullptr;
 }
@@ -243,11 +237,11 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
                                   const DecisionOptions& options) {
   constexpr double kMissing = 3.0;  // E/N
   const InstrumentEvidence& judge = *output.instruments;
-  const bool holds =
-      output.proposed && output.scores.has_value() &&
-      (judge.confirms_proposal ||
-       (judge.allows_proposal && SimulatesBetter(output))) &&
-      Holds(*output.scores, options.deviations, !judge.by_set_points);
+  const bool holds = output.proposed && output.scores.has_value() &&
+                     (judge.confirms_proposal ||
+                      (judge.allows_proposal && SimulatesBetter(output))) &&
+                     Holds(*output.scores, options.deviations,
+                           judge.by_set_points ? kWorse : kWorseOfOnlyJudge);
   if (holds) {
     return {Acceptance::kProposal, Better(output, options.deviations)};
   }
@@ -354,6 +348,15 @@ absl::Status CheckField(const char* field, double value, double low,
 }
 
 }  // namespace
+
+bool FallTogether(const std::vector<double>& ratios, double worse) {
+  double log_ratio = 0.0;
+  for (const double ratio : ratios) {
+    if (!(ratio < worse)) return false;
+    log_ratio += std::log(std::max(ratio, 1e-300));
+  }
+  return log_ratio < 0.0;
+}
 
 std::string_view NameOf(Decision decision) {
   switch (decision) {

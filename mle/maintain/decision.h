@@ -149,6 +149,13 @@ struct Verdict {
   std::vector<Message> reasons;
 };
 
+// By which no error of a horizon may grow.
+inline constexpr double kWorse = 1.2;
+
+// Whether errors on what was held out, over those of the model as it was, fall
+// together (their geometric mean) and none of them grows to `worse` times.
+bool FallTogether(const std::vector<double>& ratios, double worse = kWorse);
+
 Verdict Decide(const Evidence& evidence, const DecisionOptions& options);
 
 }  // namespace mle

@@ -8,6 +8,7 @@
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "mle/maintain/aged_elements.h"
 #include "mle/maintain/stamps.h"
 #include "mle/model/element_response.h"
 
@@ -24,115 +25,8 @@ constexpr double kAgrees = 3.0;
 // A proposal that is not confirmed is no doubt if no response changes by more
 // than this share.
 constexpr double kSmall = 0.2;
-// By which no error of a horizon may grow, and in standard errors, by which one
-// has to fall.
-constexpr double kWorse = 1.2;
+// By how many standard errors that of one horizon has to fall.
 constexpr double kFallen = 1.5;
-
-// Beyond what clocks are wrong by, all dead times have changed.
-double BelievedDelay(const Candidates& candidates, int i, int j) {
-  const double clock = candidates.competition->ClockOf(i, j);
-  return std::abs(clock) > MostOfClock(candidates, i) ? clock : 0.0;
-}
-
-bool IsClock(ExplanationKind kind) {
-  return kind == ExplanationKind::kOutputClock ||
-         kind == ExplanationKind::kInputClock;
-}
-
-// Whether a gain that changed during the record is another one at its end, and
-// one that a model can hold.
-bool Lasts(const Explanation& explanation) {
-  return explanation.kind == ExplanationKind::kChangeDuringRecord &&
-         ShareOfChange(explanation.part, 1.0) > 0.0 &&
-         GainAtEnd({explanation}, explanation.index) > 0.0;
-}
-
-// The element with what won; nothing where it cannot be simulated.
-std::optional<TransferFunction> ExplainedElement(const Candidates& candidates,
-                                                 int i, int j) {
-  const absl::StatusOr<ElementResponse> response =
-      ElementResponse::Create(candidates.initial.element(i, j));
-  if (!response.ok()) return std::nullopt;
-  ElementValues values = candidates.competition->Explained(i, j);
-  values.delay = std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
-  return response->ToTransferFunction(values);
-}
-
-// An explanation of an input that another output shows. Its clock is not among
-// them: that competes for all outputs together (competition.cc).
-struct ShownOfInput {
-  int output = 0;
-  Explanation explanation;
-};
-
-// An effect at an input reaches all that it drives: where one output shows it
-// and another an aged element instead, one of them is wrong.
-std::optional<ShownOfInput> ContestedBy(const Competition& competition, int i,
-                                        int j) {
-  std::optional<ShownOfInput> shown;
-  const std::vector<OutputExplanation>& outputs = competition.outputs();
-  for (std::size_t o = 0; o < outputs.size(); ++o) {
-    for (const TakenExplanation& one : outputs[o].taken) {
-      const Explanation& explanation = one.explanation;
-      if (TypeOf(explanation.kind).place != ExplanationPlace::kInput ||
-          IsClock(explanation.kind) || explanation.index != j) {
-        continue;
-      }
-      if (static_cast<int>(o) == i) return std::nullopt;
-      if (!shown.has_value()) shown = {static_cast<int>(o), explanation};
-    }
-  }
-  return shown;
-}
-
-// The inputs of the elements that have aged by what won.
-std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
-  const ProcessModel& model = candidates.initial;
-  std::vector<bool> aged(model.num_inputs(), false);
-  const std::vector<TakenExplanation>& taken =
-      candidates.competition->outputs()[i].taken;
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    if (model.element(i, j).IsZero()) continue;
-    for (const TakenExplanation& one : taken) {
-      if (IsAgeing(one.explanation.kind) && one.explanation.index == j) {
-        aged[j] = true;
-      }
-    }
-    if (BelievedDelay(candidates, i, j) != 0.0) aged[j] = true;
-    // Of a gain that changed during the record its value at the end holds, if
-    // nothing else explains it as well: a load's step, a curve. Of one that
-    // changed for a time the records do not say what holds.
-    for (const TakenExplanation& one : taken) {
-      if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
-          one.explanation.index == j) {
-        aged[j] =
-            Lasts(one.explanation) &&
-            !candidates.competition->outputs()[i].HasTie(one.explanation) &&
-            ProposesElement(candidates.estimate, i, j);
-      }
-    }
-    if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
-    // Inputs may answer what disturbs the output once, which no test of
-    // feedback sees: the likelihood has to propose the element, too.
-    if (!candidates.competition->outputs()[i].by_set_points &&
-        !ProposesElement(candidates.estimate, i, j)) {
-      aged[j] = false;
-    }
-    // Nor is a change made that is not worth making.
-    if (aged[j]) {
-      const Eigen::VectorXd from = candidates.initial_response.element(i, j);
-      const std::optional<TransferFunction> element =
-          ExplainedElement(candidates, i, j);
-      aged[j] = element.has_value() &&
-                (element->StepResponse(candidates.data.sample_time(),
-                                       static_cast<int>(from.size())) -
-                 from)
-                        .norm() > LeastChange(candidates, i, j) * from.norm();
-    }
-  }
-  return aged;
-}
 
 std::string Sentence(const ProcessModel& model, int output,
                      const Explanation& explanation) {
@@ -340,15 +234,13 @@ double SimulatedRatio(const OutputExplanation& output) {
 // All horizons together, none much worse, one by more than chance.
 bool PredictsBetter(const OutputExplanation& output) {
   bool fallen = false;
-  double log_ratio = 0.0;
+  std::vector<double> ratios;
   for (const HorizonErrors& error : output.held_out) {
     if (!(error.initial > 0.0)) continue;
-    const double ratio = error.explained / error.initial;
-    if (!(ratio < kWorse)) return false;
+    ratios.push_back(error.explained / error.initial);
     fallen = fallen || error.deviations > kFallen;
-    log_ratio += std::log(std::max(ratio, 1e-300));
   }
-  return fallen && log_ratio < 0.0;
+  return fallen && FallTogether(ratios);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ class ResultFolder {
   bool passing_;  // removed in the end
 };
 
-// Does what is left of the work in `folder`, and reports the part done as that
+// Runs what is left of the work in `folder`, and reports the part done as that
 // of `what`. False if `report` stopped it.
 absl::StatusOr<bool> RunRemaining(const experiment::Work& work, int threads,
                                   const char* what,

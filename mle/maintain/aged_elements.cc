@@ -1,0 +1,108 @@
+#include "mle/maintain/aged_elements.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "Eigen/Core"
+#include "mle/maintain/stamps.h"
+#include "mle/model/element_response.h"
+
+namespace mle {
+namespace {
+
+// The element with what won; nothing where it cannot be simulated.
+std::optional<TransferFunction> ExplainedElement(const Candidates& candidates,
+                                                 int i, int j) {
+  const absl::StatusOr<ElementResponse> response =
+      ElementResponse::Create(candidates.initial.element(i, j));
+  if (!response.ok()) return std::nullopt;
+  ElementValues values = candidates.competition->Explained(i, j);
+  values.delay = std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
+  return response->ToTransferFunction(values);
+}
+
+}  // namespace
+
+double BelievedDelay(const Candidates& candidates, int i, int j) {
+  const double clock = candidates.competition->ClockOf(i, j);
+  return std::abs(clock) > MostOfClock(candidates, i) ? clock : 0.0;
+}
+
+bool IsClock(ExplanationKind kind) {
+  return kind == ExplanationKind::kOutputClock ||
+         kind == ExplanationKind::kInputClock;
+}
+
+bool Lasts(const Explanation& explanation) {
+  return explanation.kind == ExplanationKind::kChangeDuringRecord &&
+         ShareOfChange(explanation.part, 1.0) > 0.0 &&
+         GainAtEnd({explanation}, explanation.index) > 0.0;
+}
+
+std::optional<ShownOfInput> ContestedBy(const Competition& competition, int i,
+                                        int j) {
+  std::optional<ShownOfInput> shown;
+  const std::vector<OutputExplanation>& outputs = competition.outputs();
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    for (const TakenExplanation& one : outputs[o].taken) {
+      const Explanation& explanation = one.explanation;
+      if (TypeOf(explanation.kind).place != ExplanationPlace::kInput ||
+          IsClock(explanation.kind) || explanation.index != j) {
+        continue;
+      }
+      if (static_cast<int>(o) == i) return std::nullopt;
+      if (!shown.has_value()) shown = {static_cast<int>(o), explanation};
+    }
+  }
+  return shown;
+}
+
+std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
+  const ProcessModel& model = candidates.initial;
+  std::vector<bool> aged(model.num_inputs(), false);
+  const std::vector<TakenExplanation>& taken =
+      candidates.competition->outputs()[i].taken;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(i, j).IsZero()) continue;
+    for (const TakenExplanation& one : taken) {
+      if (IsAgeing(one.explanation.kind) && one.explanation.index == j) {
+        aged[j] = true;
+      }
+    }
+    if (BelievedDelay(candidates, i, j) != 0.0) aged[j] = true;
+    // Of a gain that changed during the record its value at the end holds, if
+    // nothing else explains it as well: a load's step, a curve. Of one that
+    // changed for a time the records do not say what holds.
+    for (const TakenExplanation& one : taken) {
+      if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
+          one.explanation.index == j) {
+        aged[j] =
+            Lasts(one.explanation) &&
+            !candidates.competition->outputs()[i].HasTie(one.explanation) &&
+            ProposesElement(candidates.estimate, i, j);
+      }
+    }
+    if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
+    // Inputs may answer what disturbs the output once, which no test of
+    // feedback sees: the likelihood has to propose the element, too.
+    if (!candidates.competition->outputs()[i].by_set_points &&
+        !ProposesElement(candidates.estimate, i, j)) {
+      aged[j] = false;
+    }
+    // Nor is a change made that is not worth making.
+    if (aged[j]) {
+      const Eigen::VectorXd from = candidates.initial_response.element(i, j);
+      const std::optional<TransferFunction> element =
+          ExplainedElement(candidates, i, j);
+      aged[j] = element.has_value() &&
+                (element->StepResponse(candidates.data.sample_time(),
+                                       static_cast<int>(from.size())) -
+                 from)
+                        .norm() > LeastChange(candidates, i, j) * from.norm();
+    }
+  }
+  return aged;
+}
+
+}  // namespace mle
