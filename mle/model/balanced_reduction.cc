@@ -11,86 +11,16 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/model/held_response.h"
+#include "mle/model/integrator_split.h"
 #include "mle/model/response_difference.h"
 #include "mle/model/row_realization.h"
-#include "mle/model/transfer_function.h"
 
 namespace mle {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::RowVectorXd;
 using Eigen::VectorXd;
-
-// An integrating element as an integrator and what is left, which settles, both
-// under held inputs (held_response.h):
-//
-//   e^{−Ls} N(s) / (s D(s)) = e^{−Ls} (K/s + R(s)),  L = (ℓ + f) Δt.
-//
-// The integrator starts ℓ' ≤ ℓ whole samples too early, x(k+1) = x(k) + K Δt
-// v(k), so that all integrating elements of an output can share its state. What
-// is left is R, ℓ' samples later, and an impulse response of −K Δt at the
-// samples 1 … ℓ' and −f K Δt at ℓ' + 1.
-struct IntegratorSplit {
-  double slope = 0.0;              // K, per unit of time
-  std::optional<RowElement> rest;  // its delay is 0; none where nothing is left
-  double rest_gain = 0.0;          // what the response of the rest settles at
-};
-
-// R = (N − K D) / (s D), the dead time aside.
-TransferFunction WithoutIntegratorPart(const TransferFunction& g) {
-  std::vector<double> d = g.denominator();
-  d.pop_back();
-  std::vector<double> b = g.numerator();
-  b.insert(b.begin(), d.size() + 1 - b.size(), 0.0);  // of the degree of s D
-  for (std::size_t k = 0; k < d.size(); ++k) {
-    b[k + 1] -= g.StaticGain() * d[k];
-  }
-  b.pop_back();  // 0, as K = N(0)/D(0)
-  return TransferFunction(std::move(b), std::move(d), 0.0);
-}
-
-// `element` is valid and integrates; `left` is ℓ' ≥ 0; the other ℓ − ℓ' samples
-// of dead time are taken out elsewhere. InvalidArgument as
-// HeldResponse::Create().
-absl::StatusOr<IntegratorSplit> SplitIntegrator(const TransferFunction& element,
-                                                double sample_time, int left) {
-  MLE_ASSIGN_OR_RETURN(const HeldResponse whole,
-                       HeldResponse::Create(element, sample_time));
-  double fraction = element.delay() / sample_time - whole.whole_delay;
-  if (whole.map.older.isZero(0.0)) fraction = 0.0;
-  IntegratorSplit split;
-  split.slope = element.StaticGain();
-  const double step = split.slope * sample_time;
-  TransferFunction others = WithoutIntegratorPart(element);
-  if (left == 0 && fraction == 0.0 && others.IsZero()) return split;
-  others.set_delay(fraction * sample_time);
-  MLE_ASSIGN_OR_RETURN(const HeldResponse held,
-                       HeldResponse::Create(others, sample_time));
-  const RowElement settling = RowElement::Of(held);
-  // States of R, then the inputs of the last left + 1 samples.
-  const Index r = settling.b.size();
-  const Index line = left + 1;
-  RowElement rest;
-  rest.A = MatrixXd::Zero(r + line, r + line);
-  rest.b = VectorXd::Zero(r + line);
-  rest.c = RowVectorXd::Zero(r + line);
-  rest.A.topLeftCorner(r, r) = settling.A;
-  rest.c.head(r) = settling.c;
-  rest.b(r) = 1.0;
-  for (Index k = 1; k < line; ++k) rest.A(r + k, r + k - 1) = 1.0;
-  if (left == 0) {
-    rest.b.head(r) = settling.b;
-  } else {
-    rest.A.col(r + left - 1).head(r) = settling.b;
-  }
-  rest.c.segment(r, left).setConstant(-step);
-  rest.c(r + left) = -fraction * step;
-  split.rest = std::move(rest);
-  split.rest_gain = others.StaticGain() - step * (left + fraction);
-  return split;
-}
 
 // Settling times that step responses are compared over.
 constexpr double kSettled = 2.0;

@@ -24,8 +24,9 @@
 //   reduced.system.order();  reduced.error_bounds.maxCoeff();
 //
 // The integrating elements of a row share one state, an integrator that is
-// exact; what they have besides settles, and is reduced with the row. Their
-// s_ij, error and differences are those of what they have besides.
+// exact (integrator_split.h); what they have besides settles, and is reduced
+// with the row. Their s_ij, error and differences are those of what they have
+// besides.
 //
 // Square-root method: R and L with observability gramian RᵀR and
 // controllability gramian L Lᵀ (row_realization.h), R L = U Σ Vᵀ, T = L V
