@@ -148,10 +148,8 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
                           "gains, time constants and dead times of the model's "
                           "elements"},
                          {"arx", Estimator::kArx,
-                          "any shape of response, by regularised regression"},
-                         {"combined", Estimator::kCombined,
-                          "output_error, and what shapes of responses the "
-                          "structure lacks where the records speak for it"}}),
+                          "any shape of response, by regularised "
+                          "regression"}}),
        "Estimator of the corrected model."},
       {"false_alarm_probability", &output_error.false_alarm_probability,
        "Probability of a false alarm of all tests of no change together, and "

@@ -95,14 +95,7 @@ Json ElementJson(const Result& result, int i, int j) {
     json["p_value"] = output_error.element_p_values(i, j);
     json["aged"] = static_cast<bool>(output_error.aged(i, j));
   }
-  if (ProposesShape(result.estimate, i)) {
-    const ElementPosterior& shape =
-        result.estimate.fit.posterior->outputs[i].elements[j];
-    json["reshaped"] = shape.reshaped;
-    json["change_probability"] = shape.change_probability;
-    json["shape_probability"] = shape.shape_probability;
-    json["reduction_error"] = shape.reduction_error;
-  }
+  if (HasOtherShape(result, i, j)) json["reshaped"] = true;
   if (model.element(i, j).IsIntegrating()) json["integrating"] = true;
   if (full.state != ElementState::kAbsent) {
     const bool shown = structural && result.accepted();

@@ -107,8 +107,10 @@ std::string DescribeElement(const Result& result, int i, int j,
 
 std::string DescribePairChange(const Result& result, int output, int input) {
   const std::string pair = PairName(result.initial, output, input);
-  if (ProposesShape(result.estimate, output, input)) {
-    return absl::StrCat("Response of ", pair, " has another shape");
+  if (HasOtherShape(result, output, input)) {
+    return result.initial.element(output, input).IsZero()
+               ? absl::StrCat(pair, " is a new path")
+               : absl::StrCat("Response of ", pair, " has another shape");
   }
   if (result.corrected.process.has_value()) {
     return DescribeElement(result, output, input, pair);

@@ -324,10 +324,6 @@ void AddFindings(const Result& result, Json& json) {
   }
   json["noise"] = std::move(noise);
   const EstimateFit& fit = result.estimate.fit;
-  if (fit.adequacy.has_value()) {
-    json["structure_adequate"] = {{"p_value", fit.adequacy->p_value},
-                                  {"adequate", fit.adequacy->adequate}};
-  }
   if (fit.arx.has_value()) {
     json["lambda_star"] = fit.arx->selection().lambda_star(0);
   }

@@ -85,7 +85,10 @@ std::string WhereMost(const Result& result) {
   double largest = -1.0;
   std::string most;
   for (const auto& [i, j] : Pairs(model)) {
-    if (result.information.pair(i, j).state != PairState::kAbsent) ++present;
+    if (result.information.pair(i, j).state != PairState::kAbsent ||
+        HasOtherShape(result, i, j)) {
+      ++present;
+    }
     if (!HasChanged(result, i, j)) continue;
     ++changed;
     if (!(result.change.elements(i, j) > largest)) continue;
@@ -101,7 +104,7 @@ std::string WhereMost(const Result& result) {
 }
 
 std::string WhatToDo(const Result& result) {
-  const double p_value = result.estimate.fit.PValue();
+  const double p_value = PValue(result);
   const std::string p =
       p_value < 1e-300 ? "p < 10⁻³⁰⁰" : "p = " + FormatProbability(p_value);
   switch (result.decision) {
@@ -218,43 +221,17 @@ void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
   }
 }
 
-// Where gains, time constants and dead times were not enough.
-void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
-  const EstimateFit& fit = result.estimate.fit;
-  if (!fit.adequacy.has_value() || fit.adequacy->adequate) return;
-  const std::vector<bool> wrong = WrongOutputs(
-      *fit.adequacy,
-      result.options.estimation.output_error.false_alarm_probability);
-  std::vector<std::string> names;
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (wrong[i]) names.push_back(result.initial.outputs()[i].name);
-  }
-  findings.push_back(
-      {"structure_adequate", absl::StrJoin(names, ", "), fit.adequacy->p_value,
-       "", kNaN, kNaN,
-       absl::StrCat("Gains, time constants and dead times do not explain all "
-                    "of the records (p = ",
-                    FormatProbability(fit.adequacy->p_value),
-                    "): responses of ", absl::StrJoin(names, ", "),
-                    " have another shape, or a disturbance remains.")});
-}
-
-// Where the correction has taken another shape.
+// Where the correction has another shape.
 void AddShapes(const Result& result, std::vector<Finding>& findings) {
-  for (int i = 0; result.accepted() && i < result.initial.num_outputs(); ++i) {
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      if (!ProposesShape(result.estimate, i, j) || !HasChanged(result, i, j)) {
-        continue;
-      }
-      const ElementPosterior& element =
-          result.estimate.fit.posterior->outputs[i].elements[j];
+      if (!HasOtherShape(result, i, j)) continue;
       const std::string pair = PairName(result.initial, i, j);
       findings.push_back(
-          {"shape_probability", pair, element.shape_probability, "", kNaN, kNaN,
-           absl::StrCat(pair, ": the response has another shape (probability ",
-                        FormatSignificant(element.shape_probability, 3),
-                        "); gain, time constant and dead time are those of "
-                        "the nearest element of the model's own shape.")});
+          {"other_shape", pair, kNaN, "", kNaN, kNaN,
+           absl::StrCat(pair, result.initial.element(i, j).IsZero()
+                                  ? ": a path that the model did not have."
+                                  : ": the response has another shape.")});
     }
   }
 }
@@ -339,7 +316,6 @@ std::vector<std::string> Sentences(const std::vector<Finding>& findings) {
 
 std::vector<Finding> Findings(const Result& result) {
   std::vector<Finding> findings;
-  AddInadequacy(result, findings);
   AddShapes(result, findings);
   if (result.decision == Decision::kCorrected) {
     AddChangedElements(result, findings);

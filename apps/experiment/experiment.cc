@@ -156,7 +156,7 @@ absl::Status Experiment::RunEstimator(const Method& method,
   evaluation.change_proposed = fit.change_proposed;
   evaluation.seconds = fit.seconds;
   if (method.change_test != ChangeTest::kNone)
-    evaluation.p_value = fit.PValue();
+    evaluation.p_value = fit.test.p_value;
   if (fit.arx.has_value()) {
     evaluation.lambda = fit.arx->selection().lambda_star;
     if (*method.estimator == Estimator::kArx) {

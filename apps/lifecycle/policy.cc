@@ -51,7 +51,7 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
 absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
   const std::string kind = part.substr(0, part.find(':'));
   for (const auto estimator :
-       {Estimator::kOutputError, Estimator::kCombined, Estimator::kArx}) {
+       {Estimator::kOutputError, Estimator::kArx}) {
     if (kind == NameOf(estimator)) {
       return ParseCorrection(part, estimator);
     }
@@ -147,10 +147,6 @@ EstimatorWords WordsFor(Estimator estimator) {
   switch (estimator) {
     case Estimator::kOutputError:
       break;
-    case Estimator::kCombined:
-      return {"combined, ", " by the combined estimator",
-              "Gains, time constants and dead times, and the shape of "
-              "responses where these do not describe it, are"};
     case Estimator::kArx:
       return {"ΔR, ", " by ΔR",
               "Whole step responses (ΔR, around the model of the "

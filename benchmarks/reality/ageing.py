@@ -67,6 +67,20 @@ def second_order(trial):
     trial.truth["elements"][place] = plants.with_factor(element, [1.0], [time, 1.0])
 
 
+def new_path(trial):
+    """An element that the model does not have: of an output with more, not its largest."""
+    def weight(place):
+        element = trial.model["elements"][place]
+        return abs(plants.static_gain(element)) * trial.sizes[element["input"]]
+
+    elements = trial.model["elements"]
+    rows = [[i for i, element in enumerate(elements) if element["output"] == output]
+            for output in sorted({element["output"] for element in elements})]
+    places = [max((i for i in row if i != max(row, key=weight)), key=weight)
+              for row in rows if len(row) > 1]
+    del elements[trial.random.choice(places)]
+
+
 def schedule(trial, place, factor, points):
     """A gain that changes while the record is made; true is what holds at its end."""
     element = trial.truth["elements"][place]
@@ -99,6 +113,7 @@ AGEING = {
     "a gain by 8 %": small_gain,
     "a little lead": lead,
     "second order": second_order,
+    "a new path": new_path,
     "a gain steps during the record": step_in_record,
     "a gain drifts during the record": drift_in_record,
 }

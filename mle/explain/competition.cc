@@ -241,6 +241,13 @@ ElementValues Competition::Explained(int output, int input) const {
   return values;
 }
 
+absl::StatusOr<TransferFunction> Competition::ElementOf(
+    int output, int input, const ElementValues& values) const {
+  const OutputCompetition& competition = *competitions_[output];
+  return competition.output().ElementOf(input, values,
+                                        competition.Explanations());
+}
+
 double Competition::ClockOf(int output, int input) const {
   double clock = 0.0;
   for (const Explanation& one : competitions_[output]->Explanations()) {

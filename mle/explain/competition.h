@@ -162,6 +162,10 @@ class Competition {
   // K, T and L of an element with what is explained of them, at the end of the
   // records.
   ElementValues Explained(int output, int input) const;
+  // The element with these values, in the shape that is explained. Fails where
+  // it has none.
+  absl::StatusOr<TransferFunction> ElementOf(int output, int input,
+                                             const ElementValues& values) const;
   // By which a clock makes its dead time longer, in the model's time unit.
   double ClockOf(int output, int input) const;
   // Covariance (3 × 3) of K, T and L, clocks included.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/explain/signal_effects.h"
 
@@ -22,6 +24,9 @@ constexpr double kRowsPerTau = 20.0;
 constexpr double kBridged = 0.1;
 // After a gap the output does not count for this many times the longest T + L.
 constexpr double kForgotten = 3.0;
+// The second lag of an element with a lead, of T + L.
+constexpr double kLagOfLead = 0.2;
+constexpr double kLeastLagOfLead = 0.02;
 // Doubles that the responses of one element may take.
 constexpr double kCachedDoubles = 1 << 21;
 
@@ -59,7 +64,7 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
     explained.longest_ = std::max(explained.longest_, times.back());
     explained.integrating_ |= response->is_integrating();
     explained.inputs_.push_back(j);
-    explained.elements_.push_back({j, *std::move(response)});
+    explained.elements_.push_back({j, *std::move(response), true});
   }
   if (times.empty()) {
     return absl::FailedPreconditionError("no input reaches the output");
@@ -69,6 +74,7 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   std::nth_element(times.begin(), middle, times.end());
   explained.tau_ = std::max(*middle, explained.sample_time_);
   explained.longest_ = std::max(explained.longest_, explained.sample_time_);
+  explained.AddNewPaths(model);
   explained.ChooseRows();
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
@@ -86,6 +92,24 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   }
   explained.output_range_ = high > low ? high - low : 1.0;
   return explained;
+}
+
+// First-order elements of τ for the inputs without one.
+void ExplainedOutput::AddNewPaths(const ProcessModel& model) {
+  if (integrating_) return;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (!model.element(output_, j).IsZero()) continue;
+    absl::StatusOr<ElementResponse> response =
+        ElementResponse::Create(TransferFunction::FirstOrder(1.0, tau_, 0.0));
+    if (response.ok()) elements_.push_back({j, *std::move(response), false});
+  }
+}
+
+const ExplainedOutput::Element* ExplainedOutput::FindElement(int input) const {
+  for (const Element& element : elements_) {
+    if (element.input == input) return &element;
+  }
+  return nullptr;
 }
 
 void ExplainedOutput::ChooseRows() {
@@ -106,7 +130,8 @@ void ExplainedOutput::ChooseRows() {
     std::vector<bool> counts(record.samples(), true);
     const double longest_gap = std::max(3.0, kBridged * tau_ / sample_time_);
     const double forgotten = kForgotten * longest_ / sample_time_;
-    for (const int j : inputs_) {
+    for (const Element& element : elements_) {
+      const int j = element.input;
       // Before its first value an input is taken to have stood at it.
       double last = 0.0;
       for (Index k = 0; k < filled.cols(); ++k) {
@@ -126,7 +151,9 @@ void ExplainedOutput::ChooseRows() {
           gap += 1.0;
           filled(j, k) = last;
         }
-        if (gap > longest_gap || uncertain > 0.0) counts[k] = false;
+        if (element.in_model && (gap > longest_gap || uncertain > 0.0)) {
+          counts[k] = false;
+        }
         uncertain -= 1.0;
       }
       low[j] = std::min(low[j], filled.row(j).minCoeff());
@@ -151,46 +178,60 @@ void ExplainedOutput::ChooseRows() {
 }
 
 const ElementValues& ExplainedOutput::values(int input) const {
-  for (const Element& element : elements_) {
-    if (element.input == input) return element.response.initial_values();
-  }
   static const ElementValues none;
-  return none;
+  const Element* const element = FindElement(input);
+  return element == nullptr ? none : element->response.initial_values();
 }
 
 bool ExplainedOutput::has_lag(int input) const {
-  for (const Element& element : elements_) {
-    if (element.input == input) return element.response.has_time_scale();
-  }
-  return false;
+  const Element* const element = FindElement(input);
+  return element != nullptr && element->response.has_time_scale();
+}
+
+std::vector<int> ExplainedOutput::possible_inputs() const {
+  std::vector<int> inputs;
+  for (const Element& element : elements_) inputs.push_back(element.input);
+  std::sort(inputs.begin(), inputs.end());
+  return inputs;
 }
 
 std::vector<double> ExplainedOutput::time_constants() const {
   std::vector<double> lags;
   for (const Element& element : elements_) {
-    if (element.response.has_time_scale()) {
+    if (element.in_model && element.response.has_time_scale()) {
       lags.push_back(element.response.initial_values().time_scale);
     }
   }
   return lags;
 }
 
-std::vector<Explanation> ExplainedOutput::Applicable() const {
+std::vector<Explanation> ExplainedOutput::Applicable(
+    const std::vector<Explanation>& taken) const {
   std::vector<Explanation> applicable;
   for (const ExplanationType& type : ExplanationTable()) {
     if (type.start.empty()) continue;
     if (type.place == ExplanationPlace::kOutput) {
       // A clock is the one dead time where there is one element.
-      if (type.kind == Kind::kOutputClock && elements_.size() < 2) continue;
+      if (type.kind == Kind::kOutputClock && inputs_.size() < 2) continue;
       applicable.push_back({type.kind, output_, 0.0});
       continue;
     }
     for (const Element& element : elements_) {
       const int j = element.input;
       if (!(ranges_[j] > 0.0)) continue;
+      if (element.in_model == (type.kind == Kind::kNewPath)) {
+        // Of a path that was found its times are estimated, too.
+        bool found = false;
+        Find(taken, Kind::kNewPath, j, &found);
+        if (!found || (type.kind != Kind::kTimeConstant &&
+                       type.kind != Kind::kDeadTime)) {
+          continue;
+        }
+      }
       const bool lag = element.response.has_time_scale();
       if (type.kind == Kind::kTimeConstant && !lag) continue;
-      if ((type.kind == Kind::kDirection || type.kind == Kind::kHigherOrder) &&
+      if ((type.kind == Kind::kDirection || type.kind == Kind::kHigherOrder ||
+           type.kind == Kind::kLead) &&
           (!lag || element.response.order() != 1 ||
            element.response.is_integrating())) {
         continue;
@@ -214,9 +255,21 @@ std::pair<double, double> ExplainedOutput::Bounds(
   return {lower, type.upper};
 }
 
+ElementValues ExplainedOutput::Before(
+    int input, const std::vector<Explanation>& explanations) const {
+  ElementValues before = values(input);
+  const Element* const element = FindElement(input);
+  if (element == nullptr || element->in_model) return before;
+  int part = 0;
+  const double path = Find(explanations, Kind::kNewPath, input, nullptr, &part);
+  before.gain = path * output_range_ / std::max(ranges_[input], 1e-300);
+  before.time_scale *= std::pow(3.0, part - 1);
+  return before;
+}
+
 ElementValues ExplainedOutput::Aged(
     int input, const std::vector<Explanation>& explanations) const {
-  ElementValues aged = values(input);
+  ElementValues aged = Before(input, explanations);
   const double lag = has_lag(input) ? aged.time_scale : 0.0;
   aged.delay =
       std::max(0.0, aged.delay + Find(explanations, Kind::kDeadTime, input) *
@@ -226,15 +279,59 @@ ElementValues ExplainedOutput::Aged(
   return aged;
 }
 
+ExplainedOutput::Shape ExplainedOutput::ShapeOf(
+    const ElementValues& values, int input,
+    const std::vector<Explanation>& explanations) {
+  const double time = values.time_scale + values.delay;
+  Shape shape;
+  shape.values = values;
+  const double lead = Find(explanations, Kind::kLead, input);
+  shape.lead = lead * time;
+  bool has_second = false;
+  const double second =
+      Find(explanations, Kind::kHigherOrder, input, &has_second);
+  const double least = has_second ? kLeastLagOfLead : kLagOfLead;
+  shape.second = time * std::max(second, std::min(std::abs(lead), least));
+  if (shape.second > 0.0) {
+    shape.values.delay = std::max(values.delay - 0.5 * shape.second, 0.0);
+    shape.values.time_scale = std::max(values.time_scale - 0.5 * shape.second,
+                                       0.05 * values.time_scale);
+  }
+  return shape;
+}
+
+absl::StatusOr<TransferFunction> ExplainedOutput::Shaped(const Element& element,
+                                                         const Shape& shape) {
+  const TransferFunction own =
+      element.response.ToTransferFunction(shape.values);
+  if (shape.second == 0.0 && shape.lead == 0.0) return own;
+  if (!own.IsFirstOrder()) {
+    return absl::FailedPreconditionError("the element is not of first order");
+  }
+  const double gain = shape.values.gain;
+  const double lag = shape.values.time_scale;
+  return TransferFunction(
+      {gain * shape.lead, gain},
+      {lag * shape.second, lag + shape.second, 1.0}, shape.values.delay);
+}
+
+absl::StatusOr<TransferFunction> ExplainedOutput::ElementOf(
+    int input, const ElementValues& values,
+    const std::vector<Explanation>& explanations) const {
+  const Element* const element = FindElement(input);
+  if (element == nullptr) return absl::NotFoundError("there is no element");
+  return Shaped(*element, ShapeOf(values, input, explanations));
+}
+
 Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
                                          const Key& key) const {
   const auto row = filled_[record].row(input);
   VectorXd v = (row.array() - row[0]).matrix().transpose();
   const double range = std::max(ranges_[input], 1e-300);
-  const double curve = key[4];
-  const double slowness = key[5];
-  const double play = key[6];
-  const double limit = key[7];
+  const double curve = key[5];
+  const double slowness = key[6];
+  const double play = key[7];
+  const double limit = key[8];
   if (limit != 0.0) {
     const double highest = v.maxCoeff() - limit * range;
     const double lowest = v.minCoeff() - limit * range;
@@ -268,9 +365,27 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
 
 std::vector<VectorXd> ExplainedOutput::Simulate(const Element& element,
                                                 const Key& key) const {
-  const auto [lag, delay, second, falling] =
-      std::array<double, 4>{key[0], key[1], key[2], key[3]};
+  const auto [lag, delay, second, lead, falling] =
+      std::array<double, 5>{key[0], key[1], key[2], key[3], key[4]};
   std::vector<VectorXd> responses;
+  const ElementResponse* response = &element.response;
+  double time_scale = lag;
+  std::optional<ElementResponse> other;
+  if (second > 0.0) {
+    const absl::StatusOr<TransferFunction> shaped =
+        Shaped(element, {{1.0, lag, 0.0}, second, lead});
+    absl::StatusOr<ElementResponse> made =
+        shaped.ok() ? ElementResponse::Create(*shaped) : shaped.status();
+    if (!made.ok()) {
+      for (const Record& record : *records_) {
+        responses.push_back(VectorXd::Constant(record.samples(), kNaN));
+      }
+      return responses;
+    }
+    other = *std::move(made);
+    response = &*other;
+    time_scale = other->initial_values().time_scale;
+  }
   for (int r = 0; r < static_cast<int>(records_->size()); ++r) {
     const VectorXd v = InputOf(element.input, r, key);
     VectorXd z;
@@ -280,12 +395,10 @@ std::vector<VectorXd> ExplainedOutput::Simulate(const Element& element,
       z = TwoLags(lag, lag * falling, sample_time_, delay, sign, v);
     } else {
       Eigen::MatrixXd column(v.size(), 1);
-      element.response.Simulate(lag, sample_time_,
-                                SampledDelayOf(delay, sample_time_), v, 0.0,
-                                column);
+      response->Simulate(time_scale, sample_time_,
+                         SampledDelayOf(delay, sample_time_), v, 0.0, column);
       z = column.col(0);
     }
-    AddLag(second, sample_time_, z);
     if (delay < 0.0) z = Earlier(z, -delay / sample_time_);
     responses.push_back(std::move(z));
   }
@@ -313,15 +426,11 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
       0.5 * tau_ * Find(explanations, Kind::kOutputClock, output_);
   for (int e = 0; e < static_cast<int>(elements_.size()); ++e) {
     const int j = elements_[e].input;
-    ElementValues values = Aged(j, explanations);
-    const double second = Find(explanations, Kind::kHigherOrder, j) *
-                          (values.time_scale + values.delay);
+    const ElementValues aged = Aged(j, explanations);
+    if (!elements_[e].in_model && aged.gain == 0.0) continue;
+    Shape shape = ShapeOf(aged, j, explanations);
+    ElementValues& values = shape.values;
     const double falling = std::exp(Find(explanations, Kind::kDirection, j));
-    if (second > 0.0) {
-      values.delay -= 0.5 * second;
-      values.time_scale =
-          std::max(values.time_scale - 0.5 * second, 0.05 * values.time_scale);
-    }
     values.delay = std::max(values.delay, 0.0) + clock +
                    0.5 * tau_ * Find(explanations, Kind::kInputClock, j);
     bool reversed = false;
@@ -331,7 +440,8 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
     const double rate = Find(explanations, Kind::kRateLimit, j, &limited);
     const Key key = {values.time_scale,
                      values.delay,
-                     second,
+                     shape.second,
+                     shape.lead,
                      falling,
                      Find(explanations, Kind::kCurvedInput, j),
                      limited ? std::exp(rate) : 0.0,
@@ -381,7 +491,7 @@ absl::StatusOr<VectorXd> ExplainedOutput::ResidualOf(
   for (const Record& record : *records_) {
     z.push_back(VectorXd::Zero(record.samples()));
   }
-  constexpr Key kAsRecorded = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+  constexpr Key kAsRecorded = {0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (model.element(output_, j).IsZero()) continue;
     MLE_ASSIGN_OR_RETURN(const ElementResponse response,

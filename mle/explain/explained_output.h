@@ -53,14 +53,17 @@ class ExplainedOutput {
   bool is_integrating() const { return integrating_; }
   // The inputs that reach the output.
   const std::vector<int>& inputs() const { return inputs_; }
+  // And those from which there may be a new path.
+  std::vector<int> possible_inputs() const;
   const ElementValues& values(int input) const;
   bool has_lag(int input) const;
   // The time constants of the row.
   std::vector<double> time_constants() const;
 
-  // The explanations that may be tried here: a row of the table for each
-  // element, input or the output that it applies to, θ = 0.
-  std::vector<Explanation> Applicable() const;
+  // The explanations that may be tried here beside those taken: a row of the
+  // table for each element, input or the output that it applies to, θ = 0.
+  std::vector<Explanation> Applicable(
+      const std::vector<Explanation>& taken) const;
   // Bounds of θ: those of the table, and that no dead time is negative.
   std::pair<double, double> Bounds(const Explanation& explanation) const;
 
@@ -72,9 +75,18 @@ class ExplainedOutput {
   // sample takes from it.
   Eigen::VectorXd Modelled() const;
   Eigen::VectorXd LostByAverage(double time) const;
-  // Values of the element with what the explanations say of K, T and L.
+  // Values of the element from which explanations change K, T and L: those of
+  // the model, or of a new path.
+  ElementValues Before(int input,
+                       const std::vector<Explanation>& explanations) const;
+  // The same with these changes.
   ElementValues Aged(int input,
                      const std::vector<Explanation>& explanations) const;
+  // The element with these values and the shape that the explanations say.
+  // Fails where it has none that can be simulated.
+  absl::StatusOr<TransferFunction> ElementOf(
+      int input, const ElementValues& values,
+      const std::vector<Explanation>& explanations) const;
 
   // An input as means of the rows.
   Eigen::VectorXd InputRows(int input) const;
@@ -85,16 +97,30 @@ class ExplainedOutput {
   struct Element {
     int input = 0;
     ElementResponse response;
+    bool in_model = true;  // if not, what a new path would be
   };
-  // The values that a response depends on: T, L, the second lag, the ratio of
-  // the lag downwards, and the input's curve, rate, backlash and limit.
-  using Key = std::array<double, 8>;
+  // T and L of an element with another shape, and what it has besides.
+  struct Shape {
+    ElementValues values;
+    double second = 0.0;  // lag
+    double lead = 0.0;
+  };
+  // The values that a response depends on: T, L, the second lag, the lead, the
+  // ratio of the lag downwards, and the input's curve, rate, backlash and
+  // limit.
+  using Key = std::array<double, 9>;
   struct Cached {
     Key key;
     std::vector<Eigen::VectorXd> response;  // of each record, for K = 1
   };
 
   ExplainedOutput() = default;
+  const Element* FindElement(int input) const;
+  void AddNewPaths(const ProcessModel& model);
+  static Shape ShapeOf(const ElementValues& values, int input,
+                       const std::vector<Explanation>& explanations);
+  static absl::StatusOr<TransferFunction> Shaped(const Element& element,
+                                                 const Shape& shape);
   void ChooseRows();
   std::vector<Eigen::VectorXd> Simulate(const Element& element,
                                         const Key& key) const;

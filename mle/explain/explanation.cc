@@ -55,6 +55,24 @@ const std::vector<ExplanationType>& ExplanationTable() {
        0.8,
        "the response of %s has more than one lag",
        "A step test would show its shape."},
+      {Kind::kLead,
+       "lead",
+       Place::kElement,
+       kRarer,
+       {-0.6, -0.3, 0.3, 0.6, 1.0},
+       -2.0,
+       3.0,
+       "the response of %s has a lead, or begins the other way",
+       "A step test would show its shape."},
+      {Kind::kNewPath,
+       "new_path",
+       Place::kElement,
+       kRare,
+       {-0.5, 0.5},
+       -3.0,
+       3.0,
+       "%s is a path that the model does not have",
+       "A step of this input alone would settle it."},
       {Kind::kDirection,
        "direction",
        Place::kElement,
@@ -181,6 +199,18 @@ const ExplanationType& TypeOf(ExplanationKind kind) {
 bool IsAgeing(ExplanationKind kind) {
   return kind == Kind::kGain || kind == Kind::kTimeConstant ||
          kind == Kind::kDeadTime;
+}
+
+bool IsShape(ExplanationKind kind) {
+  return kind == Kind::kHigherOrder || kind == Kind::kLead ||
+         kind == Kind::kNewPath;
+}
+
+bool IsHeld(ExplanationKind kind) { return IsAgeing(kind) || IsShape(kind); }
+
+int PartsOf(ExplanationKind kind) {
+  if (kind == Kind::kChangeDuringRecord) return kParts;
+  return kind == Kind::kNewPath ? kPathLags : 1;
 }
 
 double ShareOfChange(int part, double at) {

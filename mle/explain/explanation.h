@@ -19,7 +19,11 @@ enum class ExplanationKind {
   kTimeConstant,  // T e^θ
   kDeadTime,      // L + θ (T + L)
   // Another structure of an element.
-  kHigherOrder,         // a second lag θ (T + L); T and L lose half of it each
+  kHigherOrder,  // a second lag θ (T + L); T and L lose half of it each
+  kLead,         // times 1 + θ (T + L) s, with a second lag of min(|θ|, 0.2)
+                 // (T + L) where there is none
+  kNewPath,      // of an input without an element: K = θ w / the input's range,
+                 // T = 3ᵖ⁻¹ τ, p as of Explanation::part, L = 0
   kDirection,           // time constant T e^θ where the response falls
   kReversed,            // −K e^θ
   kChangeDuringRecord,  // K (1 + θ s), s as of Explanation::part
@@ -60,13 +64,21 @@ struct ExplanationType {
 const std::vector<ExplanationType>& ExplanationTable();
 const ExplanationType& TypeOf(ExplanationKind kind);
 
-// Gain, time constant and dead time: what a corrected model can hold.
+// Gain, time constant and dead time.
 bool IsAgeing(ExplanationKind kind);
+// Another order, a lead, a new path: of an element that has aged or not.
+bool IsShape(ExplanationKind kind);
+// What a corrected model can hold: either of these.
+bool IsHeld(ExplanationKind kind);
 
 // Shapes of a change during the record: 0, from 0 at the first sample to 1 at
 // the last; 1 to 4, 1 in this quarter and 0 elsewhere; 5 to 7, 1 from the end
 // of the first, second, third quarter on.
 inline constexpr int kParts = 8;
+// Time constants of a new path.
+inline constexpr int kPathLags = 3;
+// Parts that are tried of a kind; 1 of most.
+int PartsOf(ExplanationKind kind);
 
 // Of a change of this shape, what holds at a time (0: the first sample of the
 // records, 1: the last), from 0 to 1.
@@ -77,7 +89,7 @@ struct Explanation {
   ExplanationKind kind = ExplanationKind::kGain;
   int index = 0;
   double value = 0.0;  // θ
-  int part = 0;        // of kChangeDuringRecord
+  int part = 0;        // of kChangeDuringRecord and kNewPath
 
   bool SameAs(const Explanation& other) const {
     return kind == other.kind && index == other.index;

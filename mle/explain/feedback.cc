@@ -29,7 +29,9 @@ struct Grid {
 Grid GridOf(const ExplainedOutput& output, const VectorXd& e) {
   const std::vector<ResidualRow>& rows = output.rows();
   std::vector<VectorXd> inputs;
-  for (const int j : output.inputs()) inputs.push_back(output.InputRows(j));
+  for (const int j : output.possible_inputs()) {
+    inputs.push_back(output.InputRows(j));
+  }
   const double row_time = output.sample_time() * output.samples_a_row();
   const auto every = static_cast<std::size_t>(std::max(
       1.0, std::floor(output.tau() / (kPointsPerTau * row_time) + 1e-9)));

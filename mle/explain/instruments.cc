@@ -235,7 +235,7 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
     }
   }
   made.by_set_points_ = !signals.empty();
-  for (const int j : output.inputs()) {
+  for (const int j : output.possible_inputs()) {
     const bool measured = model.inputs()[j].role == InputRole::kDisturbance;
     if (made.by_set_points_ && !measured) continue;
     add([&](const Record& record) { return record.inputs.row(j); });

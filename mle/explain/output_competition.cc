@@ -188,14 +188,17 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
   std::vector<Fit> looks;
   std::vector<VectorXd> tried;
   const VectorXd at = ValueAt(taken, all_);
-  for (const Explanation& one : output_.Applicable()) {
+  for (const Explanation& one : output_.Applicable(taken)) {
     if (Contains(taken, one)) continue;
+    // A path to inputs that answer the output looks like a new one from them.
+    if (one.kind == ExplanationKind::kNewPath &&
+        !instruments_.by_set_points() && !OpenLoop()) {
+      continue;
+    }
     const auto [lower, upper] = output_.Bounds(one);
     Fit best;
     best.score = std::numeric_limits<double>::infinity();
-    const int parts =
-        one.kind == ExplanationKind::kChangeDuringRecord ? kParts : 1;
-    for (int part = 0; part < parts; ++part) {
+    for (int part = 0; part < PartsOf(one.kind); ++part) {
       for (const double start : TypeOf(one.kind).start) {
         if (start < lower || start > upper) continue;
         std::vector<Explanation> with = taken;
@@ -255,10 +258,12 @@ double OutputCompetition::EvidenceOf(double fall, double unit) const {
   return report.EvidenceOf(fall);
 }
 
+bool OutputCompetition::OpenLoop() const {
+  return feedback_p_value_.has_value() && *feedback_p_value_ >= kFeedback;
+}
+
 double OutputCompetition::EvidenceFor(const Explanation& explanation) const {
-  const bool open_loop =
-      feedback_p_value_.has_value() && *feedback_p_value_ >= kFeedback;
-  const bool expected = open_loop && options_.expected.size() > 0 &&
+  const bool expected = OpenLoop() && options_.expected.size() > 0 &&
                         IsAgeing(explanation.kind) &&
                         options_.expected(output_.output(), explanation.index);
   return expected ? std::min(kExpected, options_.evidence) : options_.evidence;
@@ -416,7 +421,8 @@ void OutputCompetition::TakeForClock() {
       output_.Aged(output_.inputs().front(), Explanations()).delay -
       before.delay;
   for (TakenExplanation& one : taken_) {
-    if (one.explanation.kind != ExplanationKind::kDeadTime ||
+    if (!one.explanation.SameAs(
+            {ExplanationKind::kDeadTime, output_.inputs().front()}) ||
         !(std::abs(change) <= most)) {
       continue;
     }

@@ -78,6 +78,8 @@ class OutputCompetition {
   Chance ChanceOf(const Fit& fit, const Eigen::MatrixXd& directions) const;
   Chance ChanceOf(const Eigen::VectorXd& residual,
                   const Eigen::MatrixXd& directions) const;
+  // Inputs stand for set points, and answer nothing.
+  bool OpenLoop() const;
   // The evidence that is asked for of an explanation.
   double EvidenceFor(const Explanation& explanation) const;
   // The fall of E that has the evidence asked for, in M.

@@ -38,7 +38,7 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
   const std::vector<Explanation> explanations = Explanations();
   const MatrixXd covariance = CovarianceOfTheta();
   const ElementValues aged = output_.Aged(input, explanations);
-  const ElementValues& values = output_.values(input);
+  const ElementValues values = output_.Before(input, explanations);
   const double lag = output_.has_lag(input) ? values.time_scale : 0.0;
   const double at_end = GainAtEnd(explanations, input);
   // ∂(K, T, L)/∂θ.
@@ -51,6 +51,9 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
       by(2, column) = 0.5 * output_.tau();
     }
     if (one.index != input) continue;
+    if (one.kind == ExplanationKind::kNewPath && one.value != 0.0) {
+      by(0, column) = aged.gain / one.value;
+    }
     if (one.kind == ExplanationKind::kGain) by(0, column) = aged.gain * at_end;
     if (one.kind == ExplanationKind::kChangeDuringRecord) {
       by(0, column) = aged.gain * ShareOfChange(one.part, 1.0);

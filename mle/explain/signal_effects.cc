@@ -35,16 +35,6 @@ VectorXd TwoLags(double rising, double falling, double sample_time,
   return z;
 }
 
-void AddLag(double lag, double sample_time, VectorXd& z) {
-  if (!(lag > 0.0)) return;
-  const double kept = std::exp(-sample_time / lag);
-  double state = 0.0;
-  for (double& value : z) {
-    state = kept * state + (1.0 - kept) * value;
-    value = state;
-  }
-}
-
 VectorXd Earlier(const VectorXd& z, double samples) {
   const Index last = z.size() - 1;
   const auto whole = static_cast<Index>(

@@ -18,9 +18,6 @@ Eigen::VectorXd TwoLags(double rising, double falling, double sample_time,
                         double delay, double sign,
                         const Eigen::VectorXd& input);
 
-// z through a first-order lag; as it is if `lag` is not positive.
-void AddLag(double lag, double sample_time, Eigen::VectorXd& z);
-
 // z as it is `samples` later, not necessarily whole ones; its last value after
 // the end.
 Eigen::VectorXd Earlier(const Eigen::VectorXd& z, double samples);

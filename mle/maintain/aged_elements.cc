@@ -6,23 +6,35 @@
 
 #include "Eigen/Core"
 #include "mle/maintain/stamps.h"
-#include "mle/model/element_response.h"
 
 namespace mle {
 namespace {
 
-// The element with what won; nothing where it cannot be simulated.
-std::optional<TransferFunction> ExplainedElement(const Candidates& candidates,
-                                                 int i, int j) {
-  const absl::StatusOr<ElementResponse> response =
-      ElementResponse::Create(candidates.initial.element(i, j));
-  if (!response.ok()) return std::nullopt;
-  ElementValues values = candidates.competition->Explained(i, j);
-  values.delay = std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
-  return response->ToTransferFunction(values);
+// Whether what won changes the element's response by more than is worth making;
+// a new one's, relative to the largest of its output.
+bool IsWorthMaking(const Candidates& candidates, int i, int j) {
+  const absl::StatusOr<TransferFunction> element =
+      ExplainedElement(candidates, i, j);
+  if (!element.ok()) return false;
+  const StepResponse& initial = candidates.initial_response;
+  const Eigen::VectorXd from = initial.element(i, j);
+  double norm = from.norm();
+  for (int k = 0; norm == 0.0 && k < initial.num_inputs; ++k) {
+    norm = std::max(norm, initial.element(i, k).norm());
+  }
+  const Eigen::VectorXd to = element->StepResponse(
+      candidates.data.sample_time(), static_cast<int>(from.size()));
+  return (to - from).norm() > LeastChange(candidates, i, j) * norm;
 }
 
 }  // namespace
+
+absl::StatusOr<TransferFunction> ExplainedElement(const Candidates& candidates,
+                                                  int i, int j) {
+  ElementValues values = candidates.competition->Explained(i, j);
+  values.delay = std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
+  return candidates.competition->ElementOf(i, j, values);
+}
 
 double BelievedDelay(const Candidates& candidates, int i, int j) {
   const double clock = candidates.competition->ClockOf(i, j);
@@ -64,13 +76,15 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
   const std::vector<TakenExplanation>& taken =
       candidates.competition->outputs()[i].taken;
   for (int j = 0; j < model.num_inputs(); ++j) {
-    if (model.element(i, j).IsZero()) continue;
     for (const TakenExplanation& one : taken) {
-      if (IsAgeing(one.explanation.kind) && one.explanation.index == j) {
+      if (IsHeld(one.explanation.kind) && one.explanation.index == j) {
         aged[j] = true;
       }
     }
-    if (BelievedDelay(candidates, i, j) != 0.0) aged[j] = true;
+    if (BelievedDelay(candidates, i, j) != 0.0 &&
+        !model.element(i, j).IsZero()) {
+      aged[j] = true;
+    }
     // Of a gain that changed during the record its value at the end holds, if
     // nothing else explains it as well: a load's step, a curve. Of one that
     // changed for a time the records do not say what holds.
@@ -85,22 +99,14 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
     }
     if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
     // Inputs may answer what disturbs the output once, which no test of
-    // feedback sees: the likelihood has to propose the element, too.
+    // feedback sees: the likelihood has to propose the element, too, if it is
+    // one of the model's.
     if (!candidates.competition->outputs()[i].by_set_points &&
-        !ProposesElement(candidates.estimate, i, j)) {
+        !model.element(i, j).IsZero() && !ProposesElement(candidates.estimate, i, j)) {
       aged[j] = false;
     }
     // Nor is a change made that is not worth making.
-    if (aged[j]) {
-      const Eigen::VectorXd from = candidates.initial_response.element(i, j);
-      const std::optional<TransferFunction> element =
-          ExplainedElement(candidates, i, j);
-      aged[j] = element.has_value() &&
-                (element->StepResponse(candidates.data.sample_time(),
-                                       static_cast<int>(from.size())) -
-                 from)
-                        .norm() > LeastChange(candidates, i, j) * from.norm();
-    }
+    if (aged[j]) aged[j] = IsWorthMaking(candidates, i, j);
   }
   return aged;
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "mle/explain/competition.h"
 #include "mle/explain/explanation.h"
 #include "mle/maintain/candidates.h"
@@ -18,6 +19,10 @@ bool IsClock(ExplanationKind kind);
 // Whether a gain that changed during the record is another one at its end, and
 // one that a model can hold.
 bool Lasts(const Explanation& explanation);
+
+// The element with what won. Fails where it has none that can be simulated.
+absl::StatusOr<TransferFunction> ExplainedElement(const Candidates& candidates,
+                                                  int output, int input);
 
 // Beyond what clocks are wrong by, all dead times have changed.
 double BelievedDelay(const Candidates& candidates, int output, int input);

@@ -221,8 +221,13 @@ ResponseDistance CompareResponses(const StepResponse& from,
   distance.relative = size > 0.0 ? std::sqrt(distance.total / size) : 0.0;
   distance.elements = Eigen::MatrixXd::Zero(from.num_outputs, from.num_inputs);
   for (int i = 0; i < from.num_outputs; ++i) {
+    double largest = 0.0;
     for (int j = 0; j < from.num_inputs; ++j) {
-      const double norm = from.element(i, j).norm();
+      largest = std::max(largest, from.element(i, j).norm());
+    }
+    for (int j = 0; j < from.num_inputs; ++j) {
+      const double own = from.element(i, j).norm();
+      const double norm = own > 0.0 ? own : largest;
       if (!(norm > 0.0)) continue;
       distance.elements(i, j) =
           (from.element(i, j) - to.element(i, j)).norm() / norm;
@@ -249,6 +254,27 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
 
 double DetectableGain(const CorrectionResult& result, int i, int j) {
   return DetectableGain(result.explanations, result.estimate, i, j);
+}
+
+double PValue(const CorrectionResult& result) {
+  double p_value = result.estimate.fit.test.p_value;
+  if (result.estimate.fit.change_proposed) return p_value;
+  const auto outputs = static_cast<double>(result.explanations.size());
+  for (const OutputExplanation& output : result.explanations) {
+    for (const TakenExplanation& one : output.taken) {
+      p_value = std::min(p_value, outputs * std::exp(-one.evidence));
+    }
+  }
+  return p_value;
+}
+
+bool HasOtherShape(const CorrectionResult& result, int i, int j) {
+  if (!result.corrected.process.has_value()) return false;
+  const TransferFunction& from = result.initial.element(i, j);
+  const TransferFunction& to = result.corrected.process->element(i, j);
+  return from.IsZero() != to.IsZero() ||
+         from.numerator().size() != to.numerator().size() ||
+         from.denominator().size() != to.denominator().size();
 }
 
 absl::StatusOr<CorrectionResult> CorrectFromRecords(

@@ -41,7 +41,6 @@
 #include "mle/maintain/state_space_form.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
-#include "mle/nonlinear/posterior_correction.h"
 
 namespace mle {
 
@@ -79,7 +78,9 @@ struct CorrectOptions {
 struct ResponseDistance {
   double total = 0.0;        // E: all pairs and samples
   double relative = 0.0;     // √(E / Σ φ²), φ of the first model
-  Eigen::MatrixXd elements;  // p × m: the same for each pair, 0 for zero pairs
+  // p × m: the same for each pair; where the first model has none, relative to
+  // the largest of its output.
+  Eigen::MatrixXd elements;
 };
 
 ResponseDistance CompareResponses(const StepResponse& from,
@@ -137,6 +138,16 @@ struct CorrectionResult {
 // a share: by what set points drive of the output where that judges it, by the
 // noise found elsewhere. Infinite where nothing tells of it.
 double DetectableGain(const CorrectionResult& result, int output, int input);
+
+// That the model is right: of the test of no change or, where this finds none,
+// of the explanation that set points leave least doubt of (one of all outputs,
+// by Bonferroni).
+double PValue(const CorrectionResult& result);
+
+// Whether the corrected element has another order, or other zeros, than the
+// model's: another shape, or a new path. Of ΔR, which has no elements, it is
+// not said.
+bool HasOtherShape(const CorrectionResult& result, int output, int input);
 
 // From records in memory, sampled alike, whole and in order of time.
 // InvalidArgument for options, models and records that are wrong,

@@ -13,26 +13,6 @@ namespace {
 // By which a dead time of an ARX model may grow beyond its double.
 constexpr double kDelaySamples = 10.0;
 
-StepResponse ResponseErrors(const Estimate& estimate, double sample_time,
-                            int samples) {
-  const ProcessModel& initial = estimate.setting.initial;
-  const EstimateFit& fit = estimate.fit;
-  StepResponse errors =
-      fit.output_error.corrected.StepResponseErrors(sample_time, samples);
-  for (int i = 0; i < initial.num_outputs(); ++i) {
-    if (!ProposesShape(estimate, i)) continue;
-    for (int j = 0; j < initial.num_inputs(); ++j) {
-      if (ProposesElement(estimate, i, j)) {
-        errors.element(i, j) =
-            fit.posterior->StepErrors(initial, i, j, samples);
-      } else {
-        errors.element(i, j).setZero();
-      }
-    }
-  }
-  return errors;
-}
-
 // R + ΔR for the outputs that it is for; the others have the process model's
 // own responses, and rows that run as these.
 CorrectedModel WithArx(const Estimate& estimate, double sample_time,
@@ -89,7 +69,8 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
   corrected.response =
       corrected.process->ComputeStepResponse(sample_time, response_samples);
   corrected.errors =
-      changed ? ResponseErrors(estimate, sample_time, response_samples)
+      changed ? estimate.fit.output_error.corrected.StepResponseErrors(
+                    sample_time, response_samples)
               : StepResponse(sample_time, setting.initial.num_outputs(),
                              setting.initial.num_inputs(), response_samples);
   if (!make_arx) return corrected;

@@ -413,11 +413,13 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
   if (!taken.empty() || !doubts.empty()) {
     verdict.decision =
         taken.empty() ? Decision::kCannotTell : Decision::kCorrected;
-    verdict.reasons.push_back(
-        {MessageCode::kChangeProved,
-         "",
-         absl::StrCat("The records differ from the model (", p, ")."),
-         {}});
+    if (evidence.change_proved) {
+      verdict.reasons.push_back(
+          {MessageCode::kChangeProved,
+           "",
+           absl::StrCat("The records differ from the model (", p, ")."),
+           {}});
+    }
   } else if (!evidence.doubts.empty()) {
     verdict.decision = Decision::kCannotTell;
   } else if (const InstrumentEvidence* const refuting =

@@ -104,36 +104,6 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
   return SolveArx(options, fit);
 }
 
-// Adds to the structure of the model what it lacks, in the outputs that its
-// test rejects: a plant that ages within the records looks like another shape,
-// too, though its structure suffices.
-absl::Status CompleteShapes(const std::vector<Record>& windows,
-                            Estimate& estimate) {
-  EstimateFit& fit = estimate.fit;
-  const OutputErrorOptions& options = estimate.setting.options.output_error;
-  AdequacyOptions adequacy = AdequacyOptionsFor(options);
-  adequacy.false_alarm_probability = estimate.setting.options.TestLevel();
-  MLE_ASSIGN_OR_RETURN(fit.adequacy,
-                       TestAdequacy(fit.output_error.corrected.model, windows,
-                                    fit.output_error.aged, adequacy,
-                                    fit.output_error.full.noise));
-  std::vector<bool> wrong =
-      WrongOutputs(*fit.adequacy, adequacy.false_alarm_probability);
-  for (std::size_t i = 0; i < options.outputs.size(); ++i) {
-    wrong[i] = wrong[i] && options.outputs[i];
-  }
-  MLE_ASSIGN_OR_RETURN(
-      fit.posterior,
-      CompleteByPosterior(estimate.setting.initial, windows,
-                          fit.output_error.corrected, options, wrong));
-  if (!fit.posterior->any()) return absl::OkStatus();
-  fit.change_proposed = true;
-  fit.without_shapes = fit.output_error;
-  fit.posterior->Describe(estimate.setting.initial, options.confidence,
-                          fit.output_error);
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 Eigen::VectorXd DefaultLambdaGrid() {
@@ -146,16 +116,6 @@ Eigen::VectorXd DefaultLambdaGrid() {
 
 bool ProposesByArx(const Estimate& estimate, int output) {
   return estimate.fit.arx.has_value() && estimate.setting.arx_outputs[output];
-}
-
-bool ProposesShape(const Estimate& estimate, int output) {
-  const std::optional<PosteriorCorrection>& posterior = estimate.fit.posterior;
-  return posterior.has_value() && posterior->outputs[output].needed;
-}
-
-bool ProposesShape(const Estimate& estimate, int output, int input) {
-  return ProposesShape(estimate, output) &&
-         estimate.fit.posterior->outputs[output].elements[input].reshaped;
 }
 
 bool ProposesElement(const Estimate& estimate, int output, int input) {
@@ -208,12 +168,6 @@ namespace {
 // Leaves gains, time constants and dead times, and no other shape.
 void KeepParametricOutput(int output, Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
-  if (ProposesShape(estimate, output)) {
-    const OutputErrorCorrection& without = *fit.without_shapes;
-    fit.posterior->outputs[output].needed = false;
-    fit.output_error.corrected.TakeOutput(without.corrected, output);
-    fit.output_error.aged.row(output) = without.aged.row(output);
-  }
   if (!ProposesByArx(estimate, output)) return;
   EstimateSetting& setting = estimate.setting;
   estimate.fit.arx_model.R.row(output) =
@@ -263,17 +217,6 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
   return absl::OkStatus();
 }
 
-double EstimateFit::PValue() const {
-  const bool by_structure = adequacy.has_value() && !adequacy->adequate &&
-                            !output_error.change_proposed;
-  return by_structure ? adequacy->p_value : test.p_value;
-}
-
-double EstimationOptions::TestLevel() const {
-  const double all = output_error.false_alarm_probability;
-  return estimator == Estimator::kCombined ? 0.5 * all : all;
-}
-
 absl::Status EstimationOptions::Validate() const {
   if (change_test == ChangeTest::kAdequacy && estimator != Estimator::kArx) {
     return absl::InvalidArgumentError(
@@ -306,8 +249,7 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   if (options.estimator == Estimator::kArx) {
     MLE_RETURN_IF_ERROR(CheckNotIntegrating(
         initial,
-        "the estimator arx is for elements that settle: take combined or "
-        "output_error"));
+        "the estimator arx is for elements that settle: take output_error"));
   }
   const std::vector<Record> stretches = JoinAdjoining(windows).records;
   SharedFits own;
@@ -326,11 +268,7 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                        : ChooseScales(initial, setting.noise, stretches);
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
-  if (options.estimator == Estimator::kCombined) {
-    const Stage completing(progress, "looking for what the structure lacks");
-    MLE_RETURN_IF_ERROR(completing.status());
-    MLE_RETURN_IF_ERROR(CompleteShapes(stretches, estimate));
-  } else if (options.estimator == Estimator::kArx) {
+  if (options.estimator == Estimator::kArx) {
     const Stage correcting(progress, "correcting the ARX model");
     MLE_RETURN_IF_ERROR(correcting.status());
     MLE_RETURN_IF_ERROR(AddArx(windows, fits, estimate));

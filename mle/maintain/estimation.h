@@ -34,9 +34,7 @@
 #include "mle/maintain/shared_fits.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/model_adequacy.h"
 #include "mle/nonlinear/output_error_correction.h"
-#include "mle/nonlinear/posterior_correction.h"
 
 namespace mle {
 
@@ -48,7 +46,7 @@ inline constexpr double kNoCorrectionLambda = 1e6;
 Eigen::VectorXd DefaultLambdaGrid();
 
 struct EstimationOptions {
-  Estimator estimator = Estimator::kCombined;
+  Estimator estimator = Estimator::kOutputError;
   ChangeTest change_test = ChangeTest::kCalibrated;
   // ΔR at λ*, which is chosen on the exact path, solved as a smooth problem by
   // Ceres. With output_error.robust_loss it is solved with that loss, by Ceres.
@@ -65,10 +63,6 @@ struct EstimationOptions {
 
   // Names the field, its value and the constraint broken.
   absl::Status Validate() const;
-  // The false-alarm probability of each test:
-  // output_error.false_alarm_probability is that of all of them, and estimator
-  // combined makes two, of no change and of the structure.
-  double TestLevel() const;
 };
 
 // The fit to one set of windows.
@@ -77,12 +71,6 @@ struct EstimateFit {
   bool change_proposed = false;
   NullCalibration test;
   OutputErrorCorrection output_error;
-  // For the estimator combined: the test whether structure is enough, and what
-  // it lacks.
-  std::optional<ModelAdequacy> adequacy;
-  // `output_error` has the posterior's elements, this one those without it.
-  std::optional<PosteriorCorrection> posterior;
-  std::optional<OutputErrorCorrection> without_shapes;
   // For the estimator arx, where a change is proposed.
   std::optional<Correction> arx;
   // R + ΔR at its λ*, scaled, and the relative duality gap.
@@ -96,10 +84,6 @@ struct EstimateFit {
   // model predicts as it is, not as R.
   Predictor initial;
   Predictor corrected;
-
-  // The p-value of the test that decided: that of the structure where the test
-  // of no change found none, but the structure is not enough.
-  double PValue() const;
 };
 
 // The setting of an estimator besides windows, made once.
@@ -138,16 +122,11 @@ absl::StatusOr<ConversionSummary> ConvertModel(const EstimateSetting& setting,
                                                const ChannelScales& scales,
                                                double sample_time);
 
-// Whether anything is proposed for an output, for any, by ΔR, and of a shape
-// that the structure lacks.
+// Whether anything is proposed for an output, for any, and by ΔR.
 bool ProposesChange(const Estimate& estimate, int output);
 bool ProposesAny(const Estimate& estimate);
 bool ProposesByArx(const Estimate& estimate, int output);
-bool ProposesShape(const Estimate& estimate, int output);
-// For an element: its time constant and dead time are then those of what is
-// nearest to it of the model's own shape.
-bool ProposesShape(const Estimate& estimate, int output, int input);
-// Whether one is for an element, by its parameters or its shape.
+// Whether one is for an element.
 bool ProposesElement(const Estimate& estimate, int output, int input);
 
 // Takes the proposal for an output back, or that for an element.

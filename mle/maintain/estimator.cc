@@ -30,7 +30,7 @@ absl::StatusOr<Named> Find(const std::vector<Named>& all, const char* what,
 
 const std::vector<Estimator>& AllEstimators() {
   static const auto* const kAll = new std::vector<Estimator>{
-      Estimator::kOutputError, Estimator::kArx, Estimator::kCombined};
+      Estimator::kOutputError, Estimator::kArx};
   return *kAll;
 }
 
@@ -40,8 +40,6 @@ std::string_view NameOf(Estimator estimator) {
       return "output_error";
     case Estimator::kArx:
       return "arx";
-    case Estimator::kCombined:
-      return "combined";
   }
   return "";
 }

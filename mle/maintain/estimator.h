@@ -19,10 +19,6 @@ enum class Estimator {
   // ΔR of the ARX model by lasso, any shape of response: the paper's method
   // (correction.h).
   kArx,
-  // kOutputError, and what the structure lacks in outputs whose records speak
-  // for
-  // it (posterior_correction.h).
-  kCombined,
 };
 
 // The test by which a change is proposed at all.
@@ -42,7 +38,7 @@ enum class ChangeTest {
 // In the order of the enum.
 const std::vector<Estimator>& AllEstimators();
 
-// "output_error", "arx", "combined".
+// "output_error", "arx".
 std::string_view NameOf(Estimator estimator);
 // "calibrated", "chi_square", "adequacy", "none".
 std::string_view NameOf(ChangeTest test);

@@ -123,7 +123,7 @@ Evidence GatherEvidence(const Candidates& candidates,
                         const Validation& validation) {
   Evidence evidence;
   evidence.change_proved = candidates.estimate.fit.change_proposed;
-  evidence.p_value = candidates.estimate.fit.PValue();
+  evidence.p_value = candidates.estimate.fit.test.p_value;
   evidence.nothing_held_out = validation.missing;
   evidence.obstacles = candidates.data.obstacles;
   evidence.uninformed = WhyUninformed(candidates);

@@ -87,7 +87,7 @@ std::string Others(const Candidates& candidates, int i) {
   for (const TakenExplanation& one :
        candidates.competition->outputs()[i].taken) {
     const Explanation& explanation = one.explanation;
-    if (IsAgeing(explanation.kind)) continue;
+    if (IsHeld(explanation.kind)) continue;
     if (IsClock(explanation.kind) &&
         BelievedDelay(candidates, i,
                       explanation.kind == ExplanationKind::kInputClock
@@ -131,7 +131,7 @@ std::string Contested(const ProcessModel& model, const Competition& competition,
   std::string text;
   for (const TakenExplanation& one : competition.outputs()[i].taken) {
     const Explanation& aged = one.explanation;
-    if (!IsAgeing(aged.kind)) continue;
+    if (!IsHeld(aged.kind)) continue;
     const std::optional<ShownOfInput> shown =
         ContestedBy(competition, i, aged.index);
     if (!shown.has_value()) continue;
@@ -166,25 +166,6 @@ std::size_t NumProposed(const Candidates& candidates, int i) {
     if (ProposesElement(candidates.estimate, i, j)) ++count;
   }
   return count;
-}
-
-bool HasShape(const OutputExplanation& output) {
-  return std::any_of(output.taken.begin(), output.taken.end(),
-                     [](const TakenExplanation& one) {
-                       return one.explanation.kind ==
-                              ExplanationKind::kHigherOrder;
-                     });
-}
-
-// A path that the model has not got: no row of the table is about one.
-bool ProposesNewPath(const Candidates& candidates, int i) {
-  for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
-    if (candidates.initial.element(i, j).IsZero() &&
-        ProposesElement(candidates.estimate, i, j)) {
-      return true;
-    }
-  }
-  return false;
 }
 
 // The largest change that is proposed of an output's responses, relative to
@@ -265,9 +246,6 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     const Candidates& candidates, int i) {
   const OutputExplanation& output = candidates.competition->outputs()[i];
   if (!output.judged()) return std::nullopt;
-  // Inputs stand for set points only where the model has a path from them.
-  if (!output.by_set_points && ProposesNewPath(candidates, i))
-    return std::nullopt;
   InstrumentEvidence evidence;
   evidence.by_set_points = output.by_set_points;
   evidence.feedback_p_value = output.feedback_p_value;
@@ -281,11 +259,10 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   for (const TakenExplanation& one : output.taken) {
     const ExplanationKind kind = one.explanation.kind;
     reversed = reversed || kind == ExplanationKind::kReversed;
-    if (IsAgeing(kind)) continue;
+    if (IsHeld(kind)) continue;
     if (!any_other) evidence.code = CodeOf(kind);
     any_other = true;
-    correctable = correctable && (kind == ExplanationKind::kHigherOrder ||
-                                  (IsClock(kind) && evidence.other.empty()));
+    correctable = correctable && IsClock(kind) && evidence.other.empty();
   }
   const std::string contested =
       Contested(candidates.initial, *candidates.competition, i);
@@ -331,14 +308,10 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     evidence.allows_proposal =
         explains && !reversed && correctable &&
         energy < output.remaining + kAgrees * output.unit;
-    // A shape more is no simpler an explanation.
-    const bool no_shape_more = !ProposesShape(candidates.estimate, i) ||
-                               output.taken.empty() || HasShape(output);
     evidence.confirms_proposal =
         (explains && !reversed && (better || output.taken.empty())) ||
-        (evidence.allows_proposal && no_shape_more &&
-         (ProposesNewPath(candidates, i) ||
-          NumProposed(candidates, i) < output.taken.size() || same ||
+        (evidence.allows_proposal &&
+         (NumProposed(candidates, i) < output.taken.size() || same ||
           !evidence.tie.empty() || !evidence.predicts_better));
     // Inputs that answer disturbances refute nothing; where none does, hold-out
     // judges.
@@ -365,13 +338,21 @@ void TakeExplained(const Candidates& candidates, int i, Estimate& estimate) {
   const std::vector<bool> aged = AgedInputs(candidates, i);
   for (int j = 0; j < m; ++j) {
     if (!aged[j]) continue;
+    const absl::StatusOr<TransferFunction> element =
+        ExplainedElement(candidates, i, j);
+    if (!element.ok()) continue;
     ElementValues values = candidates.competition->Explained(i, j);
     values.delay =
         std::max(0.0, values.delay + BelievedDelay(candidates, i, j));
-    const absl::StatusOr<ElementResponse> response =
-        ElementResponse::Create(candidates.initial.element(i, j));
-    if (!response.ok()) continue;
-    const ElementValues& before = response->initial_values();
+    // A new path begins at nothing.
+    ElementValues before = {.gain = 0.0, .time_scale = 0.0, .delay = 0.0};
+    bool has_lag = true;
+    if (const auto own =
+            ElementResponse::Create(candidates.initial.element(i, j));
+        own.ok()) {
+      before = own->initial_values();
+      has_lag = own->has_time_scale();
+    }
     const Eigen::Matrix3d covariance = candidates.competition->Covariance(i, j);
     const auto parameter = [&](double initial, double value, int k) {
       const double error =
@@ -385,11 +366,11 @@ void TakeExplained(const Candidates& candidates, int i, Estimate& estimate) {
     ElementEstimate& written = fit.elements[i * m + j];
     written.state = ElementState::kFitted;
     written.gain = parameter(before.gain, values.gain, 0);
-    if (response->has_time_scale()) {
+    if (has_lag) {
       written.time_scale = parameter(before.time_scale, values.time_scale, 1);
     }
     written.delay = parameter(before.delay, values.delay, 2);
-    fit.model.element(i, j) = response->ToTransferFunction(values);
+    fit.model.element(i, j) = *element;
     fit.covariances[i].block<3, 3>(3 * j, 3 * j) = covariance;
     correction.aged(i, j) = true;
   }

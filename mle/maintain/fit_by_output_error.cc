@@ -43,7 +43,7 @@ absl::StatusOr<NullCalibration> TestNoChange(
                          shared.adequacy.Get(
                              [&] {
                                return TestAdequacy(
-                                   initial, windows, {},
+                                   initial, windows,
                                    AdequacyOptionsFor(options.output_error));
                              },
                              seconds));
@@ -87,7 +87,8 @@ absl::Status FitByOutputError(const ProcessModel& initial,
                        TestNoChange(initial, windows, fit.output_error, options,
                                     progress, shared, fit.seconds));
   const bool rejected = options.output_error.change_given ||
-                        fit.test.p_value < options.TestLevel();
+                        fit.test.p_value <
+                            options.output_error.false_alarm_probability;
   OutputErrorCorrection& output_error = fit.output_error;
   switch (options.change_test) {
     case ChangeTest::kCalibrated:

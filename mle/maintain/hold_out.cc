@@ -250,10 +250,7 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   // Whether a change is proposed at all, and of which outputs, is decided, by
   // all the data: a fold may be too short to find it again. What has changed,
   // where they leave a doubt, and how, is its own.
-  const EstimateFit& whole = estimate.fit;
-  const OutputErrorCorrection& structure = whole.without_shapes.has_value()
-                                               ? *whole.without_shapes
-                                               : whole.output_error;
+  const OutputErrorCorrection& structure = estimate.fit.output_error;
   options.output_error.change_given = structure.change_proposed;
   if (structure.change_proposed) {
     options.output_error.start =
@@ -265,11 +262,6 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   }
   if (options.change_test == ChangeTest::kCalibrated) {
     options.change_test = ChangeTest::kChiSquare;
-  }
-  // So is whether shapes are proposed that the structure lacks.
-  const bool shapes = whole.posterior.has_value() && whole.posterior->any();
-  if (options.estimator == Estimator::kCombined && !shapes) {
-    options.estimator = Estimator::kOutputError;
   }
   const absl::StatusOr<Estimate> part = EstimateModel(
       estimate.setting.initial, Remaining(windows, fold), options);

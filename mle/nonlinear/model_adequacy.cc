@@ -1,10 +1,6 @@
 #include "mle/nonlinear/model_adequacy.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/distributions.h"
@@ -44,63 +40,29 @@ absl::Status AdequacyOptions::Validate() const {
   return structure.Validate();
 }
 
-std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
-                               double false_alarm_probability) {
-  const Eigen::VectorXd& p_values = adequacy.output_p_values;
-  std::vector<bool> wrong(p_values.size());
-  if (adequacy.adequate) return wrong;
-  for (Eigen::Index i = 0; i < p_values.size(); ++i) {
-    wrong[i] = p_values(i) < false_alarm_probability /
-                                 static_cast<double>(p_values.size()) ||
-               p_values(i) == p_values.minCoeff();
-  }
-  return wrong;
-}
-
-absl::StatusOr<ModelAdequacy> TestAdequacy(
-    const ProcessModel& model, const std::vector<Record>& records,
-    const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
-    const AdequacyOptions& options, const std::vector<NoiseEstimate>& noise) {
+absl::StatusOr<ModelAdequacy> TestAdequacy(const ProcessModel& model,
+                                           const std::vector<Record>& records,
+                                           const AdequacyOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(model, records, options.structure));
-  const int p = model.num_outputs();
-  const int m = model.num_inputs();
-  if (fitted.size() > 0 && (fitted.rows() != p || fitted.cols() != m)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "model adequacy: the elements fitted are given as %d × %d, the model "
-        "has %d × %d",
-        fitted.rows(), fitted.cols(), p, m));
-  }
   const std::vector<int> first_lags = LagRanges(
       LongestLag(setups, records, kSettlingTimeScales, kMaxAdequacyLagShare),
       1);
-  std::vector<Contrast> evidence(p);
-  ParallelFor(p, options.threads, [&](int i) {
+  const std::vector<bool> none(model.num_inputs(), false);
+  std::vector<Contrast> evidence(setups.size());
+  ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
     const OutputSetup& setup = setups[i];
     if (setup.problem->num_segments() == 0) return;
-    if (!noise.empty()) {
-      AdoptDisturbances(noise[i], *setup.problem);
-    }
-    std::vector<bool> free(m, false);
-    for (int j = 0; j < m && fitted.size() > 0; ++j) {
-      free[j] = fitted(i, j) && setup.informed[j];
-    }
     evidence[i] = ContrastWithColumns(
-        ShapeLikelihood(*setup.problem, setup.start, free, NoiseShape(),
+        ShapeLikelihood(*setup.problem, setup.start, none, NoiseShape(),
                         /*restricted=*/true),
-        setup.problem->LagSums(first_lags), options.estimate_drift,
-        noise.empty() ? nullptr : &noise[i]);
+        setup.problem->LagSums(first_lags), options.estimate_drift);
   });
   ModelAdequacy adequacy;
-  adequacy.output_p_values.setOnes(p);
-  for (int i = 0; i < p; ++i) {
-    adequacy.statistic += evidence[i].statistic;
-    adequacy.degrees_of_freedom += evidence[i].degrees;
-    if (evidence[i].degrees > 0) {
-      adequacy.output_p_values(i) =
-          ChiSquareTail(evidence[i].statistic, evidence[i].degrees);
-    }
+  for (const Contrast& contrast : evidence) {
+    adequacy.statistic += contrast.statistic;
+    adequacy.degrees_of_freedom += contrast.degrees;
   }
   if (adequacy.degrees_of_freedom > 0) {
     adequacy.p_value =

@@ -15,11 +15,8 @@
 // restricted likelihood. Given the past outputs the inputs say nothing about
 // the noise to come, so that this holds for closed-loop records too.
 //
-// Elements whose gain, time scale and dead time were fitted to the same records
-// may be named: what these elements could explain is removed from both sides.
-//
 //   MLE_ASSIGN_OR_RETURN(const ModelAdequacy adequacy,
-//                        TestAdequacy(model, records, {}, AdequacyOptions()));
+//                        TestAdequacy(model, records, AdequacyOptions()));
 //   if (!adequacy.adequate) correct(model);
 
 #ifndef MLE_NONLINEAR_MODEL_ADEQUACY_H_
@@ -27,7 +24,6 @@
 
 #include <vector>
 
-#include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
@@ -59,22 +55,12 @@ struct ModelAdequacy {
   double p_value = 1.0;    // of all outputs together
   double statistic = 0.0;  // sum over the outputs
   int degrees_of_freedom = 0;
-  Eigen::VectorXd output_p_values;  // p
 };
 
-// p: the outputs that the test finds wrong, by Bonferroni's share of the
-// false-alarm probability for each of them, and the most suspicious one. None
-// where the model is adequate.
-std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
-                               double false_alarm_probability);
-
-// `fitted` is p × m, or empty for none; the periodic lines of `noise` (p, or
-// empty) are projected out. Errors are those of CorrectByOutputError().
-absl::StatusOr<ModelAdequacy> TestAdequacy(
-    const ProcessModel& model, const std::vector<Record>& records,
-    const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
-    const AdequacyOptions& options,
-    const std::vector<NoiseEstimate>& noise = {});
+// Errors are those of CorrectByOutputError().
+absl::StatusOr<ModelAdequacy> TestAdequacy(const ProcessModel& model,
+                                           const std::vector<Record>& records,
+                                           const AdequacyOptions& options);
 
 }  // namespace mle
 

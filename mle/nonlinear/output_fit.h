@@ -170,8 +170,7 @@ struct Contrast {
 // search begins there.
 Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              const std::vector<Eigen::MatrixXd>& columns,
-                             bool estimate_drift,
-                             const NoiseEstimate* noise = nullptr);
+                             bool estimate_drift);
 
 // At `null` with nothing fitted; and at the fit `point` of what is `free`, with
 // the noise found there.

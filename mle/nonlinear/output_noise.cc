@@ -181,16 +181,9 @@ Contrast OverRatios(const ShapeLikelihood& null,
 
 Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              const std::vector<MatrixXd>& columns,
-                             bool estimate_drift, const NoiseEstimate* noise) {
-  const OutputErrorProblem& problem = null.problem();
-  const bool plain = noise != nullptr && !(noise->colour_ratio > 0.0);
-  NoiseShape start;
-  // From what is known of it: the least where it is none.
-  if (plain && problem.num_segments() > 0) {
-    start.ratio = std::max(noise->ratio, LeastRatio(problem));
-  }
-  return AtOneRatio(null, null.With(columns), start, /*search_colour=*/!plain,
-                    estimate_drift);
+                             bool estimate_drift) {
+  return AtOneRatio(null, null.With(columns), NoiseShape(),
+                    /*search_colour=*/true, estimate_drift);
 }
 
 Contrast ContrastWithFit(const OutputErrorProblem& problem,

@@ -96,7 +96,7 @@ def check_commands(folder):
     run("mle_simulate", model, f"--plant={source}/configs/wood_berry_gain.json",
         "--setpoints=overhead:150:1,bottoms:450:1", "--duration=700", "--sample_time=0.5",
         f"--out={folder}/run.csv")
-    for estimator in ("output_error", "arx", "combined"):
+    for estimator in ("output_error", "arx"):
         out = folder / estimator
         run("mle_correct", model, f"--data={folder}/run.csv", f"--out={out}", "--figures=false",
             "--conversion_samples=5000", f"--estimator={estimator}",

@@ -103,7 +103,7 @@ CorrectOptions OptionsFrom(fuzz::Bytes& bytes) {
   const int flags = bytes.Next();
   constexpr Estimator kEstimators[] = {Estimator::kOutputError,
                                        Estimator::kOutputError,
-                                       Estimator::kCombined, Estimator::kArx};
+                                       Estimator::kArx, Estimator::kArx};
   options.estimation.estimator = kEstimators[flags % 4];
   options.estimation.change_test =
       (flags & 4) != 0 ? ChangeTest::kChiSquare : ChangeTest::kCalibrated;

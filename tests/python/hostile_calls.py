@@ -375,7 +375,7 @@ class World:
 
         return run, dict(model=draw.choice([self.model, self.model, self.two]),
                          records=draw.choice([self.frame, self.record, [self.record, self.record]]),
-                         options={"estimator": draw.choice(["output_error", "combined", "arx"]), "figures": False}
+                         options={"estimator": draw.choice(["output_error", "arx"]), "figures": False}
                          if "figures" in self.options["correct"] else {"estimator": "output_error"},
                          more=self.some_options("correct", draw))
 

@@ -91,7 +91,7 @@ TEST(ExplainedOutputTest, NothingHappensAtZero) {
   const std::vector<Record> records = InputsAlone();
   const ExplainedOutput output = Make(records);
   const Eigen::VectorXd plain = output.Residual({});
-  for (Explanation one : output.Applicable()) {
+  for (Explanation one : output.Applicable({})) {
     if (one.kind == ExplanationKind::kRateLimit ||
         one.kind == ExplanationKind::kReversed) {
       continue;
