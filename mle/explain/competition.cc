@@ -68,11 +68,11 @@ double ValueFor(const Explanation& one, double tau, double other) {
 
 using Competitions = std::vector<std::unique_ptr<OutputCompetition>>;
 
-// The outputs that input j reaches.
+// The outputs that input j reaches, where explanations won one by one.
 std::vector<OutputCompetition*> OutputsOf(const Competitions& all, int j) {
   std::vector<OutputCompetition*> outputs;
   for (const auto& competition : all) {
-    if (competition == nullptr) continue;
+    if (competition == nullptr || competition->together()) continue;
     const std::vector<int>& inputs = competition->output().inputs();
     if (std::find(inputs.begin(), inputs.end(), j) != inputs.end()) {
       outputs.push_back(competition.get());

@@ -98,6 +98,9 @@ struct OutputExplanation {
   std::optional<double> feedback_p_value;
   int moves = 0;
   std::vector<TakenExplanation> taken;
+  // They were estimated all at once, by errors several steps ahead
+  // (several_steps.h), having more evidence than what won one by one.
+  bool together = false;
   // The last explanation that was tried and not taken.
   std::optional<TakenExplanation> next;
   // An explanation in place of one that was taken that explains nearly as much,

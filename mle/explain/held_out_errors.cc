@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "mle/explain/several_steps.h"
+
 namespace mle {
 namespace {
 
@@ -13,10 +15,6 @@ using Eigen::VectorXd;
 
 constexpr double kBlock = 3.0;  // of τ
 constexpr int kFolds = 5;
-
-int InRows(double time, double row_time) {
-  return std::max(1, static_cast<int>(std::lround(time / row_time)));
-}
 
 // The block of each row, counted over all records.
 std::vector<int> BlocksOf(const std::vector<ResidualRow>& rows,
@@ -31,14 +29,6 @@ std::vector<int> BlocksOf(const std::vector<ResidualRow>& rows,
     blocks[i] = blocks[i - 1] + (begins ? 1 : 0);
   }
   return blocks;
-}
-
-// Whether nothing is missing between a row and the one `ahead` before it.
-bool Reaches(const std::vector<ResidualRow>& rows, std::size_t i, int ahead) {
-  if (i < static_cast<std::size_t>(ahead)) return false;
-  const ResidualRow& from = rows[i - static_cast<std::size_t>(ahead)];
-  return from.record == rows[i].record &&
-         rows[i].first - from.first == ahead * rows[i].samples;
 }
 
 // Squares of the errors of both models in a block.
@@ -78,7 +68,7 @@ std::vector<HorizonErrors> HeldOutErrors(
   const std::vector<ResidualRow>& rows = output.rows();
   const double row_time = output.sample_time() * output.samples_a_row();
   const std::vector<int> blocks =
-      BlocksOf(rows, InRows(kBlock * output.tau(), row_time));
+      BlocksOf(rows, InRows(output, kBlock * output.tau()));
   const VectorXd initial = instruments.Freed(output.Residual({}));
   std::vector<VectorXd> explained;
   for (int f = 0; f < kFolds; ++f) {
@@ -89,9 +79,10 @@ std::vector<HorizonErrors> HeldOutErrors(
     explained.push_back(instruments.Freed(output.Residual(estimate(weights))));
   }
   std::vector<HorizonErrors> errors;
-  for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
+  for (const double horizon :
+       {kStepsAhead[0], kStepsAhead[1], kStepsAhead[2], 0.0}) {
     const int ahead =
-        horizon > 0.0 ? InRows(horizon * output.tau(), row_time) : 0;
+        horizon > 0.0 ? InRows(output, horizon * output.tau()) : 0;
     std::vector<BlockSquares> squares(static_cast<std::size_t>(blocks.back()) +
                                       1);
     double before = 0.0;

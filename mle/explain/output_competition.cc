@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "Eigen/Cholesky"
 #include "Eigen/QR"
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"
 #include "mle/explain/feedback.h"
+#include "mle/explain/several_steps.h"
 
 namespace mle {
 namespace {
@@ -21,12 +21,9 @@ using Eigen::VectorXd;
 
 // Candidates that are estimated after the first look.
 constexpr int kEstimated = 6;
-constexpr int kIterations = 12;
 // Exchanges at most, and by how many M one has to do better.
 constexpr int kRounds = 4;
 constexpr double kBetter = 0.5;
-constexpr double kStep = 1e-3;       // of θ, for derivatives
-constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 // Directions nearer than this to those of what was taken are none of their own.
 constexpr double kLeastOwn = 0.05;
 // Rivals that are nearer than this share of N are ties.
@@ -43,6 +40,9 @@ constexpr double kFewestIndependent = 2.0;
 constexpr double kWithoutSetPoints = 2.0;
 // The evidence of one hypothesis, which is not the best of a table: 5 %.
 constexpr double kExpected = 3.0;
+// By which errors held out have to fall at every horizon for a fit of all
+// elements at once; where nothing is answered any fall is enough.
+constexpr double kFarBetter = 0.7;
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
 constexpr double kMostOfSample = 0.75;
@@ -58,6 +58,18 @@ std::vector<Explanation> Without(const std::vector<Explanation>& from,
 bool HasNothing(ExplanationKind kind) {
   return kind != ExplanationKind::kRateLimit &&
          kind != ExplanationKind::kReversed;
+}
+
+// Whether errors held out are smaller at every horizon, by this factor, than
+// without what explains them and than by `others`, which may be none.
+bool AllFall(const std::vector<HorizonErrors>& errors,
+             const std::vector<HorizonErrors>& others, double factor) {
+  for (std::size_t h = 0; h < errors.size(); ++h) {
+    double before = errors[h].initial;
+    if (h < others.size()) before = std::min(before, others[h].explained);
+    if (!(errors[h].explained < factor * before)) return false;
+  }
+  return !errors.empty();
 }
 
 bool Contains(const std::vector<Explanation>& explanations,
@@ -106,72 +118,19 @@ double OutputCompetition::Energy(
 }
 
 MatrixXd OutputCompetition::Jacobian(
-    const std::vector<Explanation>& explanations,
-    const VectorXd& weights) const {
-  const VectorXd at = ValueAt(explanations, weights);
-  MatrixXd jacobian(at.size(), static_cast<Index>(explanations.size()));
-  for (std::size_t i = 0; i < explanations.size(); ++i) {
-    std::vector<Explanation> moved = explanations;
-    const double upper = output_.Bounds(moved[i]).second;
-    const double step = moved[i].value + kStep <= upper ? kStep : -kStep;
-    moved[i].value += step;
-    jacobian.col(static_cast<Index>(i)) = (ValueAt(moved, weights) - at) / step;
-  }
-  return jacobian;
+    const std::vector<Explanation>& explanations) const {
+  return JacobianOf(
+      output_,
+      [this](const std::vector<Explanation>& at) { return ValueAt(at, all_); },
+      explanations);
 }
 
 OutputCompetition::Fit OutputCompetition::Estimate(
     std::vector<Explanation> explanations, const VectorXd& weights) const {
-  for (Explanation& one : explanations) {
-    const auto [lower, upper] = output_.Bounds(one);
-    one.value = std::clamp(one.value, lower, std::max(lower, upper));
-  }
-  Fit fit;
-  fit.explanations = std::move(explanations);
-  VectorXd at = ValueAt(fit.explanations, weights);
-  fit.energy = at.squaredNorm();
-  if (fit.explanations.empty()) return fit;
-  double damping = 1e-3;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const MatrixXd J = Jacobian(fit.explanations, weights);
-    const MatrixXd H = J.transpose() * J;
-    const VectorXd g = J.transpose() * at;
-    if (!(H.diagonal().maxCoeff() > 0.0)) break;
-    bool better = false;
-    double moved = 0.0;
-    double fall = 0.0;
-    for (int attempt = 0; attempt < 6 && !better; ++attempt) {
-      MatrixXd damped = H;
-      damped.diagonal() += damping * H.diagonal();
-      damped.diagonal().array() += 1e-12 * H.diagonal().maxCoeff();
-      const VectorXd step = -damped.ldlt().solve(g);
-      std::vector<Explanation> trial = fit.explanations;
-      moved = 0.0;
-      for (std::size_t i = 0; i < trial.size(); ++i) {
-        const auto [lower, upper] = output_.Bounds(trial[i]);
-        const double before = trial[i].value;
-        trial[i].value = std::clamp(
-            before + std::clamp(step[static_cast<Index>(i)], -0.5, 0.5), lower,
-            std::max(lower, upper));
-        moved = std::max(moved, std::abs(trial[i].value - before));
-      }
-      if (!(moved > 0.0)) break;
-      const VectorXd value = ValueAt(trial, weights);
-      const double energy = value.squaredNorm();
-      if (energy < fit.energy) {
-        fall = (fit.energy - energy) / fit.energy;
-        fit.explanations = std::move(trial);
-        fit.energy = energy;
-        at = value;
-        better = true;
-        damping *= 0.1;
-      } else {
-        damping = std::max(10.0 * damping, 1e-3);
-      }
-    }
-    if (!better || moved < kConverged || fall < kConverged) break;
-  }
-  return fit;
+  return FitExplanations(
+      output_,
+      [&](const std::vector<Explanation>& at) { return ValueAt(at, weights); },
+      std::move(explanations));
 }
 
 double OutputCompetition::Score(const std::vector<Explanation>& explanations,
@@ -235,7 +194,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
   // Directions free of those in which what was taken moves.
   MatrixXd own(at.size(), 0);
   if (!taken.empty()) {
-    const MatrixXd J = Jacobian(taken, all_);
+    const MatrixXd J = Jacobian(taken);
     const Eigen::ColPivHouseholderQR<MatrixXd> qr(J);
     own = MatrixXd(qr.householderQ()).leftCols(qr.rank());
   }
@@ -431,8 +390,34 @@ void OutputCompetition::TakeForClock() {
   }
 }
 
+void OutputCompetition::FitTogether() {
+  const bool answered = feedback_p_value_.has_value() && !OpenLoop();
+  if (answered || !(energy_ > kMuchLeft * chance_)) return;
+  SeveralStepsFit fit = SeveralSteps(output_, instruments_).Best();
+  const double energy = Energy(fit.explanations);
+  const Chance chance = ChanceOf({fit.explanations}, directions_);
+  const double evidence = EvidenceOf(energy_ - energy, chance.unit);
+  if (!(evidence > std::min(kExpected, options_.evidence)) ||
+      !AllFall(fit.held_out, HeldOut(), OpenLoop() ? 1.0 : kFarBetter)) {
+    return;
+  }
+  together_ = true;
+  held_out_together_ = std::move(fit.held_out);
+  covariance_together_ = std::move(fit.covariance);
+  taken_.clear();
+  ties_.clear();
+  for (const Explanation& one : fit.explanations) {
+    taken_.push_back({one, 0.0, evidence});
+  }
+  energy_ = energy;
+  chance_ = chance.energy;
+  unit_ = chance.unit;
+}
+
 void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   ties_.clear();
+  together_ = false;
+  held_out_together_.clear();
   Forward(given);
   Backward(given.size());
   for (int round = 0; round < kRounds && Exchange(given.size()); ++round) {
@@ -443,6 +428,7 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   chance_ = last.energy;
   unit_ = last.unit;
   FindTies();
+  FitTogether();
   TakeForClock();
   // Explanations that were given, or that came by exchange, have no evidence
   // yet.

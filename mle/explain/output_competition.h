@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "mle/explain/competition.h"
 #include "mle/explain/explained_output.h"
+#include "mle/explain/explanation_fit.h"
 #include "mle/explain/instruments.h"
 
 namespace mle {
@@ -38,18 +39,14 @@ class OutputCompetition {
   // Covariance of (K, T, L) of an element, from that of θ.
   Eigen::Matrix3d Covariance(int input) const;
   std::vector<Explanation> Explanations() const;
+  // All elements were fitted at once.
+  bool together() const { return together_; }
 
   // Standard errors, what is left, hold-out validation, ties.
   OutputExplanation Report() const;
 
  private:
-  // θ of some explanations, estimated, and its E.
-  struct Fit {
-    std::vector<Explanation> explanations;
-    double energy = 0.0;
-    // E + improbabilities times N.
-    double score = 0.0;
-  };
+  using Fit = ExplanationFit;
   // Energies that chance gives the residual of a fit, by the placebos.
   struct Chance {
     double energy = 0.0;  // N
@@ -64,9 +61,7 @@ class OutputCompetition {
 
   Eigen::VectorXd ValueAt(const std::vector<Explanation>& explanations,
                           const Eigen::VectorXd& weights) const;
-  Eigen::MatrixXd Jacobian(const std::vector<Explanation>& explanations,
-                           const Eigen::VectorXd& weights) const;
-  // Levenberg–Marquardt within bounds.
+  Eigen::MatrixXd Jacobian(const std::vector<Explanation>& explanations) const;
   Fit Estimate(std::vector<Explanation> explanations,
                const Eigen::VectorXd& weights) const;
   // The best of each explanation beside `taken`, best first; the directions
@@ -96,6 +91,10 @@ class OutputCompetition {
   // Another explanation in place of one that was taken, where it does better;
   // whether there was one.
   bool Exchange(std::size_t given);
+  // All elements at once, where much is left (several_steps.h).
+  void FitTogether();
+  // Errors held out of what was taken.
+  std::vector<HorizonErrors> HeldOut() const;
   void FindTies();
   void TakeForClock();
   // Cost of an improbability of one: N, for instruments that are not in parts.
@@ -113,6 +112,10 @@ class OutputCompetition {
   std::vector<TakenExplanation> next_;
   std::vector<OutputExplanation::Tie> ties_;
   Eigen::MatrixXd directions_;
+  // What was taken is that fit, with its errors held out and Cov θ̂.
+  bool together_ = false;
+  std::vector<HorizonErrors> held_out_together_;
+  Eigen::MatrixXd covariance_together_;
   double independent_ = 1.0;  // n, of the placebos
   double initial_energy_ = 0.0;
   double energy_ = 0.0;

@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 }  // namespace
 
 MatrixXd OutputCompetition::CovarianceOfTheta() const {
+  if (together_) return covariance_together_;
   const std::vector<Explanation> explanations = Explanations();
   const auto n = static_cast<Index>(explanations.size());
   if (n == 0) return MatrixXd(0, 0);
@@ -27,7 +28,7 @@ MatrixXd OutputCompetition::CovarianceOfTheta() const {
       instruments_.ProjectPlacebos(output_.Residual(explanations));
   const MatrixXd C =
       placebos.transpose() * placebos / static_cast<double>(placebos.rows());
-  const MatrixXd J = Jacobian(explanations, all_);
+  const MatrixXd J = Jacobian(explanations);
   MatrixXd H = J.transpose() * J;
   H.diagonal().array() += 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
   const MatrixXd A = H.ldlt().solve(J.transpose());
@@ -68,6 +69,13 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
   return by * covariance * by.transpose();
 }
 
+std::vector<HorizonErrors> OutputCompetition::HeldOut() const {
+  if (together_ || taken_.empty()) return held_out_together_;
+  return HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
+    return Estimate(Explanations(), weights).explanations;
+  });
+}
+
 double OutputCompetition::Required() const {
   return independent_ * std::expm1(options_.evidence / independent_);
 }
@@ -104,12 +112,8 @@ OutputExplanation OutputCompetition::Report() const {
         instruments_.Project(output_.LostByAverage(options_.averages[place]))
             .squaredNorm();
   }
-  if (!taken_.empty()) {
-    report.held_out =
-        HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
-          return Estimate(Explanations(), weights).explanations;
-        });
-  }
+  report.together = together_;
+  report.held_out = HeldOut();
   const Index m = output_.records().front().num_inputs();
   report.detectable.assign(static_cast<std::size_t>(m),
                            std::numeric_limits<double>::infinity());
@@ -122,8 +126,7 @@ OutputExplanation OutputCompetition::Report() const {
       if (with[i].SameAs(gain)) at = i;
     }
     if (at == with.size()) with.push_back(gain);
-    const double slope =
-        Jacobian(with, all_).col(static_cast<Index>(at)).norm();
+    const double slope = Jacobian(with).col(static_cast<Index>(at)).norm();
     if (slope > 0.0) {
       report.detectable[static_cast<std::size_t>(j)] =
           std::sqrt(Required() * unit_) / slope;

@@ -73,8 +73,8 @@ std::optional<ShownOfInput> ContestedBy(const Competition& competition, int i,
 std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
   const ProcessModel& model = candidates.initial;
   std::vector<bool> aged(model.num_inputs(), false);
-  const std::vector<TakenExplanation>& taken =
-      candidates.competition->outputs()[i].taken;
+  const OutputExplanation& output = candidates.competition->outputs()[i];
+  const std::vector<TakenExplanation>& taken = output.taken;
   for (int j = 0; j < model.num_inputs(); ++j) {
     for (const TakenExplanation& one : taken) {
       if (IsHeld(one.explanation.kind) && one.explanation.index == j) {
@@ -91,18 +91,17 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
     for (const TakenExplanation& one : taken) {
       if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
           one.explanation.index == j) {
-        aged[j] =
-            Lasts(one.explanation) &&
-            !candidates.competition->outputs()[i].HasTie(one.explanation) &&
-            ProposesElement(candidates.estimate, i, j);
+        aged[j] = Lasts(one.explanation) && !output.HasTie(one.explanation) &&
+                  ProposesElement(candidates.estimate, i, j);
       }
     }
     if (ContestedBy(*candidates.competition, i, j).has_value()) aged[j] = false;
     // Inputs may answer what disturbs the output once, which no test of
     // feedback sees: the likelihood has to propose the element, too, if it is
     // one of the model's.
-    if (!candidates.competition->outputs()[i].by_set_points &&
-        !model.element(i, j).IsZero() && !ProposesElement(candidates.estimate, i, j)) {
+    if (!output.by_set_points && !output.together &&
+        !model.element(i, j).IsZero() &&
+        !ProposesElement(candidates.estimate, i, j)) {
       aged[j] = false;
     }
     // Nor is a change made that is not worth making.

@@ -310,7 +310,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
         energy < output.remaining + kAgrees * output.unit;
     evidence.confirms_proposal =
         (explains && !reversed && (better || output.taken.empty())) ||
-        (evidence.allows_proposal &&
+        (evidence.allows_proposal && !output.together &&
          (NumProposed(candidates, i) < output.taken.size() || same ||
           !evidence.tie.empty() || !evidence.predicts_better));
     // Inputs that answer disturbances refute nothing; where none does, hold-out
