@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <thread>
 
@@ -24,7 +25,7 @@ namespace {
 constexpr int kThreads = 8;
 constexpr int kOtherFiles = 256;
 constexpr int kBacklog = 1024;
-constexpr absl::Duration kLastAnswers = absl::Seconds(4);
+constexpr std::chrono::seconds kLastAnswers(4);
 // A head, what is known of its headers, and the head of the answer.
 constexpr std::size_t kPool = 2 * kMostHead + 4096;
 // Bytes of an answer that the system buffers until the client reads them.
@@ -196,8 +197,8 @@ class MicroServer : public Server {
     // Closed once no thread may still ask it for connections.
     const int listening = MHD_quiesce_daemon(daemon_);
     shutdown(listening, SHUT_RDWR);
-    const absl::Time end = absl::Now() + kLastAnswers;
-    while (peers_.IsAnyAnswered() && absl::Now() < end) {
+    const Peers::Clock::time_point end = Peers::Clock::now() + kLastAnswers;
+    while (peers_.IsAnyAnswered() && Peers::Clock::now() < end) {
       absl::SleepFor(absl::Milliseconds(5));
     }
     MHD_stop_daemon(daemon_);
