@@ -213,8 +213,9 @@ absl::Status Site::Refresh(const std::function<bool()>& stop) {
   if (snapshot_->fault == status.message()) return absl::OkStatus();
   auto stale = std::make_shared<Snapshot>(*snapshot_);
   stale->fault = std::string(status.message());
-  stale->metrics =
-      Shared(FormatMetrics(stale->Reports(), stale->read_at, stale->fault));
+  const std::vector<Report> reports = stale->Reports();
+  stale->overview = Shared(FormatOverview(reports, stale->fault));
+  stale->metrics = Shared(FormatMetrics(reports, stale->read_at, stale->fault));
   snapshot_ = std::move(stale);
   return absl::OkStatus();
 }
