@@ -1,5 +1,6 @@
 // mle_watch: the health of every model, every day.
 
+#include <malloc.h>
 #include <pwd.h>
 #include <unistd.h>
 
@@ -233,6 +234,8 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
 // answers the requests that have come and returns. Errors are about the state,
 // the list of controllers, the token and the address.
 absl::Status ServeSite(const Request& request) {
+  // Otherwise each thread keeps what it needed for its largest page.
+  mallopt(M_ARENA_MAX, 2);
   absl::StatusOr<std::string> token =
       serve::ReadToken(request.token_file, kTokenVariable);
   if (!token.ok()) {
