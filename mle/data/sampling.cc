@@ -23,10 +23,10 @@ absl::Status ValidateSampling(double sample_time, double duration) {
                            ", but it must be finite and > 0");
   }
   if (duration / sample_time >= kMaxSamples) {
-    return InvalidArgument("duration = ", duration, " is more than ",
-                           kMaxSamples,
-                           " samples of sample_time = ", sample_time,
-                           ", the most that are supported");
+    return InvalidArgument(
+        "duration = ", duration,
+        " has too many samples of sample_time = ", sample_time, "; at most ",
+        kMaxSamples, " are supported");
   }
   return absl::OkStatus();
 }
