@@ -1,5 +1,6 @@
 // mle_watch: the health of every model, every day.
 
+#include <malloc.h>
 #include <pwd.h>
 #include <unistd.h>
 
@@ -161,16 +162,21 @@ absl::Status WritePages(const Request& request,
   return WriteFilesTogether(request.out, files);
 }
 
+// Of a state that is a file.
+std::string StateFolder(const Request& request) {
+  const fs::path folder = fs::path(request.state).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
 // Locks the state's folder, unless it is the folder of the pages, which has its
 // lock already; a database has locks of its own.
 absl::StatusOr<std::optional<FolderLock>> LockState(const Request& request) {
   if (IsDatabase(request.state)) return std::nullopt;
-  fs::path folder = fs::path(request.state).parent_path();
-  if (folder.empty()) folder = ".";
-  MLE_RETURN_IF_ERROR(MakeWritableFolder(folder.string()));
+  const std::string folder = StateFolder(request);
+  MLE_RETURN_IF_ERROR(MakeWritableFolder(folder));
   std::error_code error;
   if (fs::equivalent(folder, request.out, error)) return std::nullopt;
-  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder.string());
+  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
   if (!lock.ok()) return WithPrefix(lock.status(), "--state: ");
   return std::optional<FolderLock>(*std::move(lock));
 }
@@ -228,6 +234,8 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
 // answers the requests that have come and returns. Errors are about the state,
 // the list of controllers, the token and the address.
 absl::Status ServeSite(const Request& request) {
+  // Otherwise each thread keeps what it needed for its largest page.
+  mallopt(M_ARENA_MAX, 2);
   absl::StatusOr<std::string> token =
       serve::ReadToken(request.token_file, kTokenVariable);
   if (!token.ok()) {
@@ -237,7 +245,10 @@ absl::Status ServeSite(const Request& request) {
   }
   const serve::Access access = {.host_names = request.host_names,
                                 .token = *std::move(token)};
-  MLE_RETURN_IF_ERROR(MakeWritableFolder(request.out));
+  // SQLite needs files beside the state's; of the pages nothing is written.
+  if (!IsDatabase(request.state)) {
+    MLE_RETURN_IF_ERROR(MakeWritableFolder(StateFolder(request)));
+  }
   MLE_ASSIGN_OR_RETURN(const std::unique_ptr<Site> site,
                        Site::Open({.list = request.watch_path,
                                    .state = request.state,

@@ -23,10 +23,9 @@ absl::Status CheckPath(const InputPath& path, int num_inputs,
                            "; it must not be negative");
   }
   if (!(path.delay.Max() / sample_time <= kMaxDelaySamples)) {
-    return InvalidArgument("the delay of ", path.delay.Max(), " is ",
-                           path.delay.Max() / sample_time,
-                           " samples, but at most ", kMaxDelaySamples,
-                           " are supported; use a longer sample time");
+    return InvalidArgument("the delay of ", path.delay.Max(), " is more than ",
+                           kMaxDelaySamples, " samples of ", sample_time,
+                           "; use a longer sample time");
   }
   if (!(path.delay.MaxSlope() < 1.0)) {
     return InvalidArgument(

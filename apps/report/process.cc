@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -75,7 +76,8 @@ std::vector<char*> Pointers(std::vector<std::string>& strings) {
 // it; nothing if it still runs after `limit`.
 std::optional<int> WaitFor(pid_t child, absl::Duration limit) {
   const bool forever = limit == absl::InfiniteDuration();
-  const absl::Time end = absl::Now() + limit;
+  using Clock = std::chrono::steady_clock;  // the time of day may be set
+  const Clock::time_point begin = Clock::now();
   for (absl::Duration pause = absl::Milliseconds(1);;
        pause = std::min(2 * pause, absl::Milliseconds(20))) {
     int status = 0;
@@ -84,7 +86,9 @@ std::optional<int> WaitFor(pid_t child, absl::Duration limit) {
     if (ended == child) {
       return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     }
-    if (!forever && absl::Now() >= end) return std::nullopt;
+    if (!forever && absl::FromChrono(Clock::now() - begin) >= limit) {
+      return std::nullopt;
+    }
     if (!forever) absl::SleepFor(pause);
   }
 }

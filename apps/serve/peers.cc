@@ -13,7 +13,7 @@ constexpr absl::Duration kLeastAnswer = absl::Seconds(2);
 Peers::Peer* Peers::Add(int socket) {
   const std::lock_guard<std::mutex> lock(mutex_);
   waiting_.push_back({.socket = socket,
-                      .since = clock_(),
+                      .since = now_(),
                       .body = nullptr,
                       .list = &waiting_,
                       .self = {}});
@@ -26,7 +26,7 @@ Peers::Peer* Peers::Add(int socket) {
   if (waiting_.size() > 1) {
     Cut(waiting_.front());
   } else if (!being_sent_.empty() &&
-             peer.since - being_sent_.front().since > kLeastAnswer) {
+             IsOlder(being_sent_.front(), kLeastAnswer)) {
     Cut(being_sent_.front());
   }
   return &peer;
@@ -62,13 +62,11 @@ void Peers::EndAnswer(Peer* peer) {
 
 void Peers::CutLate() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const absl::Time now = clock_();
-  while (!waiting_.empty() &&
-         now - waiting_.front().since > limits_.request_time) {
+  while (!waiting_.empty() && IsOlder(waiting_.front(), limits_.request_time)) {
     Cut(waiting_.front());
   }
   while (!being_sent_.empty() &&
-         now - being_sent_.front().since > limits_.response_time) {
+         IsOlder(being_sent_.front(), limits_.response_time)) {
     Cut(being_sent_.front());
   }
 }
@@ -81,7 +79,7 @@ bool Peers::IsAnyAnswered() {
 void Peers::Move(Peer& peer, std::list<Peer>& list) {
   list.splice(list.end(), *peer.list, peer.self);
   peer.list = &list;
-  peer.since = clock_();
+  peer.since = now_();
 }
 
 void Peers::Release(Peer& peer) {

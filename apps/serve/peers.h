@@ -8,6 +8,7 @@
 #ifndef APPS_SERVE_PEERS_H_
 #define APPS_SERVE_PEERS_H_
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <list>
@@ -16,7 +17,6 @@
 #include <string>
 #include <utility>
 
-#include "absl/time/clock.h"
 #include "absl/time/time.h"
 
 namespace mle::serve {
@@ -27,6 +27,9 @@ inline constexpr std::size_t kSmallAnswer = 16'384;
 
 class Peers {
  public:
+  // Not the time of day, which may be set.
+  using Clock = std::chrono::steady_clock;
+
   struct Limits {
     std::size_t connections;   // beyond which the longest is cut off
     std::size_t answer_bytes;  // in memory, of all large ones being sent
@@ -34,16 +37,15 @@ class Peers {
   };
   struct Peer {
     int socket;
-    absl::Time since;
+    Clock::time_point since;
     const std::string* body;  // a large one that is being sent, or null
     std::list<Peer>* list;    // it is in
     std::list<Peer>::iterator self;
   };
 
-  using Clock = std::function<absl::Time()>;
-
-  explicit Peers(const Limits& limits, Clock clock = absl::Now)
-      : limits_(limits), clock_(std::move(clock)) {}
+  explicit Peers(const Limits& limits,
+                 std::function<Clock::time_point()> now = Clock::now)
+      : limits_(limits), now_(std::move(now)) {}
 
   // The socket stays open until Remove().
   Peer* Add(int socket);
@@ -60,13 +62,16 @@ class Peers {
 
  private:
   // With mutex_ held.
+  bool IsOlder(const Peer& peer, absl::Duration time) const {
+    return absl::FromChrono(now_() - peer.since) > time;
+  }
   void Move(Peer& peer, std::list<Peer>& list);
   void Release(Peer& peer);
   void Cut(Peer& peer);
   void CutForMemory(const Peer& newest);
 
   const Limits limits_;
-  const Clock clock_;
+  const std::function<Clock::time_point()> now_;
   std::mutex mutex_;                                   // of what follows
   std::list<Peer> waiting_, being_made_, being_sent_;  // the longest first
   std::list<Peer> cut_;  // shut down, but not yet removed

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <thread>
 
@@ -23,8 +24,9 @@ namespace {
 
 constexpr int kThreads = 8;
 constexpr int kOtherFiles = 256;
-constexpr int kBacklog = 1024;
-constexpr absl::Duration kLastAnswers = absl::Seconds(4);
+// More than there are connections: who is turned away tries again after 1 s.
+constexpr int kBacklog = 4096;
+constexpr std::chrono::seconds kLastAnswers(4);
 // A head, what is known of its headers, and the head of the answer.
 constexpr std::size_t kPool = 2 * kMostHead + 4096;
 // Bytes of an answer that the system buffers until the client reads them.
@@ -196,8 +198,8 @@ class MicroServer : public Server {
     // Closed once no thread may still ask it for connections.
     const int listening = MHD_quiesce_daemon(daemon_);
     shutdown(listening, SHUT_RDWR);
-    const absl::Time end = absl::Now() + kLastAnswers;
-    while (peers_.IsAnyAnswered() && absl::Now() < end) {
+    const Peers::Clock::time_point end = Peers::Clock::now() + kLastAnswers;
+    while (peers_.IsAnyAnswered() && Peers::Clock::now() < end) {
       absl::SleepFor(absl::Milliseconds(5));
     }
     MHD_stop_daemon(daemon_);
@@ -215,8 +217,10 @@ class MicroServer : public Server {
 
   MHD_Daemon* StartDaemon(int listening) {
     const auto connections = static_cast<unsigned>(connections_);
+    // With poll() each thread looks at all that its connections have sent at
+    // every event.
     return MHD_start_daemon(
-        MHD_USE_POLL_INTERNAL_THREAD | MHD_USE_ITC, 0, nullptr, nullptr,
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ITC, 0, nullptr, nullptr,
         &Answer, this, MHD_OPTION_LISTEN_SOCKET, listening,
         MHD_OPTION_THREAD_POOL_SIZE, std::min<unsigned>(kThreads, connections),
         MHD_OPTION_CONNECTION_LIMIT, connections,
@@ -288,6 +292,7 @@ class MicroServer : public Server {
       return MHD_YES;
     }
     if (*body_bytes > 0) {
+      exchange.request.body.reserve(exchange.request.body_bytes);
       exchange.request.body.append(body, *body_bytes);
       *body_bytes = 0;
       return MHD_YES;

@@ -115,7 +115,8 @@ void AddAlarmSentences(const std::vector<Report>& reports,
 
 }  // namespace
 
-std::string FormatOverview(const std::vector<Report>& reports) {
+std::string FormatOverview(const std::vector<Report>& reports,
+                           const std::string& fault) {
   report::HtmlPage page("Watched models");
   const int aged = CountOf(reports, Status::kAged);
   const int failed = CountOf(reports, Status::kFailed);
@@ -129,6 +130,10 @@ std::string FormatOverview(const std::vector<Report>& reports) {
                           .headline = absl::StrCat(
                               FormatInteger(aged), " of ", FormatInteger(total),
                               " models ", aged == 1 ? "has" : "have", " aged")};
+  if (!fault.empty()) {
+    verdict.sentences.push_back(
+        absl::StrCat("This is what was read before: ", fault));
+  }
   if (failed > 0) {
     verdict.sentences.push_back(
         absl::StrCat(FormatInteger(failed), " of ", FormatInteger(total),

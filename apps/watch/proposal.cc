@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -11,8 +12,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/time/clock.h"
-#include "absl/time/time.h"
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
 #include "apps/correct/report.h"
@@ -29,7 +28,7 @@ namespace {
 
 constexpr int kMostDays = 60;
 constexpr int kAgainAfter = 14;
-constexpr absl::Duration kLongestCorrection = absl::Hours(1);
+constexpr std::chrono::hours kLongestCorrection(1);
 
 // The options of mle_correct, by name.
 using Options = std::vector<std::pair<std::string, std::string>>;
@@ -100,9 +99,10 @@ absl::Status Correction::Prepare(const Options& options) {
   request_.model_file = model_;
   request_.model = model_.process;
   request_.options.threads = 1;
-  const absl::Time until = absl::Now() + kLongestCorrection;
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point until = Clock::now() + kLongestCorrection;
   request_.options.progress = [until](const RunProgress&) {
-    return absl::Now() < until;
+    return Clock::now() < until;
   };
   return correct::CompleteForModel(request_, table_);
 }

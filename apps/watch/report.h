@@ -36,8 +36,10 @@ std::string ShortId(const Alarm& alarm);
 // "1 alarm", "2 alarms".
 std::string Counted(int count, std::string_view what);
 
-// All controllers; in each row a link to the controller's page.
-std::string FormatOverview(const std::vector<Report>& reports);
+// All controllers; in each row a link to the controller's page. `fault`: why
+// the state could not be read since.
+std::string FormatOverview(const std::vector<Report>& reports,
+                           const std::string& fault = "");
 
 // The alarms of all controllers, the last ones first.
 std::string FormatAlarmsPage(const std::vector<Report>& reports);

@@ -166,7 +166,7 @@ absl::Status Site::RefreshAll(const std::function<bool()>& stop) {
   }
   MLE_ASSIGN_OR_RETURN(const std::vector<Controller> controllers,
                        ReadWatchFile(options_.list));
-  const absl::Time begin = absl::Now();
+  const Clock::time_point begin = Clock::now();
   std::map<std::string, const Entry*> known;
   if (before != nullptr && changed == list_changed_) {
     for (const auto& entry : before->entries) {
@@ -196,7 +196,7 @@ absl::Status Site::RefreshAll(const std::function<bool()>& stop) {
     const std::lock_guard<std::mutex> lock(publish_mutex_);
     Publish(std::move(entries));
   }
-  const absl::Time end = absl::Now();
+  const Clock::time_point end = Clock::now();
   // The first reading finds nothing to keep, and is longer than others.
   if (before != nullptr) next_refresh_ = end + kRest * (end - begin);
   revision_ = revision;
@@ -205,7 +205,7 @@ absl::Status Site::RefreshAll(const std::function<bool()>& stop) {
 }
 
 absl::Status Site::Refresh(const std::function<bool()>& stop) {
-  if (absl::Now() < next_refresh_) return absl::OkStatus();
+  if (Clock::now() < next_refresh_) return absl::OkStatus();
   const absl::Status status = RefreshAll(stop);
   if (status.ok()) return absl::OkStatus();
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -213,8 +213,9 @@ absl::Status Site::Refresh(const std::function<bool()>& stop) {
   if (snapshot_->fault == status.message()) return absl::OkStatus();
   auto stale = std::make_shared<Snapshot>(*snapshot_);
   stale->fault = std::string(status.message());
-  stale->metrics =
-      Shared(FormatMetrics(stale->Reports(), stale->read_at, stale->fault));
+  const std::vector<Report> reports = stale->Reports();
+  stale->overview = Shared(FormatOverview(reports, stale->fault));
+  stale->metrics = Shared(FormatMetrics(reports, stale->read_at, stale->fault));
   snapshot_ = std::move(stale);
   return absl::OkStatus();
 }

@@ -9,6 +9,7 @@
 #ifndef APPS_WATCH_SITE_H_
 #define APPS_WATCH_SITE_H_
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -23,7 +24,6 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 #include "apps/serve/access.h"
 #include "apps/serve/server.h"
 #include "apps/watch/health.h"
@@ -115,7 +115,9 @@ class Site {
   // Used by the refreshing thread alone.
   std::optional<std::int64_t> revision_;
   std::filesystem::file_time_type list_changed_ = {};
-  absl::Time next_refresh_ = absl::InfinitePast();
+  // Not the time of day, which may be set.
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point next_refresh_ = Clock::time_point::min();
 
   std::mutex publish_mutex_;  // of who makes a snapshot of another
   mutable std::mutex mutex_;  // of what follows

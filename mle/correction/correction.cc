@@ -42,8 +42,8 @@ absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step) {
   const double count = std::floor(max / step * (1.0 + 1e-12));
   if (!(count <= 1e7)) {
     return absl::InvalidArgumentError(absl::StrFormat(
-        "a grid of λ up to %g in steps of %g has %.3g values; at most 1e7", max,
-        step, count + 1.0));
+        "a grid of λ up to %g in steps of %g has too many values; at most 1e7",
+        max, step));
   }
   const bool whole = std::abs(count * step - max) <= 1e-12 * max;
   Eigen::VectorXd lambdas(static_cast<Eigen::Index>(count) + 1);

@@ -1,8 +1,10 @@
 #include "mle/data/record_clock.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -20,6 +22,19 @@ constexpr double kLastUnix = 2524608000.0;
 
 double Seconds(absl::Time time) {
   return absl::ToDoubleSeconds(time - absl::UnixEpoch());
+}
+
+// Of the IANA, and not a path or a name for the zone that the machine has
+// ("localtime", "libc:localtime"): "Europe/Berlin", "Etc/GMT+5",
+// "Fixed/UTC+05:30:00".
+bool IsZoneName(absl::string_view name) {
+  const bool is_fixed = absl::StartsWith(name, "Fixed/");
+  return absl::ascii_isalpha(static_cast<unsigned char>(name[0])) &&
+         name != "localtime" && name != "posixrules" &&
+         std::all_of(name.begin(), name.end(), [is_fixed](char c) {
+           return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+                  absl::StrContains("/_+-", c) || (is_fixed && c == ':');
+         });
 }
 
 bool IsIn(double number, double from, double to) {
@@ -52,8 +67,7 @@ absl::StatusOr<RecordClock> RecordClock::Create(const std::string& model_unit,
   }
   if (!options.time_zone.empty()) {
     absl::TimeZone zone;
-    // "libc:localtime" would be whatever zone the machine has.
-    if (absl::StartsWith(options.time_zone, "libc:") ||
+    if (!IsZoneName(options.time_zone) ||
         !absl::LoadTimeZone(options.time_zone, &zone)) {
       return InvalidArgument(
           "there is no time zone '", options.time_zone,

@@ -23,10 +23,10 @@ absl::Status ValidateSampling(double sample_time, double duration) {
                            ", but it must be finite and > 0");
   }
   if (duration / sample_time >= kMaxSamples) {
-    return InvalidArgument("duration = ", duration, " is ",
-                           duration / sample_time,
-                           " samples of sample_time = ", sample_time,
-                           ", but at most ", kMaxSamples, " are supported");
+    return InvalidArgument(
+        "duration = ", duration,
+        " has too many samples of sample_time = ", sample_time, "; at most ",
+        kMaxSamples, " are supported");
   }
   return absl::OkStatus();
 }

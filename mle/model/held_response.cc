@@ -20,9 +20,9 @@ absl::StatusOr<HeldResponse> HeldResponse::Create(
   MLE_RETURN_IF_ERROR(element.Validate());
   const double delay = element.delay() / sample_time;
   if (delay > kMaxDelaySamples) {
-    return InvalidArgument("the delay of ", element.delay(), " is ", delay,
-                           " samples, but at most ", kMaxDelaySamples,
-                           " are supported; use a longer sample time");
+    return InvalidArgument("the delay of ", element.delay(), " is more than ",
+                           kMaxDelaySamples, " samples of ", sample_time,
+                           "; use a longer sample time");
   }
   const double whole = std::floor(delay + kDelaySnap);
   double fraction = std::max(0.0, delay - whole);  // f

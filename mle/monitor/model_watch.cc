@@ -175,10 +175,10 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
         "long a change takes is not known");
   }
   if (!(settling / sample_time <= kMostSettling)) {
-    return InvalidArgument(
-        "watch: responses of the model settle after ", settling, " ",
-        model.time_unit(), ", ", settling / sample_time, " samples; at most ",
-        kMostSettling, " are supported: compare its times with its time unit");
+    return InvalidArgument("watch: responses of the model settle after ",
+                           settling, " ", model.time_unit(), ", more than ",
+                           kMostSettling, " samples of ", sample_time,
+                           "; compare its times with its time unit");
   }
   watch.skip_ = InSamples(settling, sample_time) + 1;
   watch.before_ = InSamples(0.5 * settling, sample_time);

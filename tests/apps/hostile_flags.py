@@ -8,16 +8,17 @@ that `--help=all` names), or numbers in the files that it reads. They are at the
 ranges and beyond, no numbers, other texts. `records` in the place of a command are usual runs of
 mle_correct with an extreme record, `files` such of mle_correct and mle_convert with a file that is
 no record and no model (hostile_files.py). A case must end with exit code 0, 1 or 2, and with 2 say
-one line last, which begins with "error: "; it says no NaN and no infinity, and JSON that it writes
-is valid. What runs longer than --patience may have been asked for: it is told to stop, twice at
-most, and must; `records` and `files` must end within a minute. The number of a case makes it
-again: `--first=CASE --count=1`, with the same commands.
+one line last, which begins with "error: "; it says and writes no NaN and no infinity, and JSON that
+it writes is as docs/schemas say. What runs longer than --patience may have been asked for: it is
+told to stop, twice at most, and must; `records` and `files` must end within a minute. The number of
+a case makes it again: `--first=CASE --count=1`, with the same commands.
 
 Memory is limited, so that what is asked for without bounds is refused.
 """
 
 import argparse
 import datetime
+import functools
 import json
 import os
 import pathlib
@@ -32,6 +33,12 @@ import time
 
 from hostile_files import extreme_record, in_another_unit, odd_files
 
+try:
+    import jsonschema
+except ImportError:
+    jsonschema = None
+
+SCHEMAS = pathlib.Path(__file__).resolve().parents[2] / "docs/schemas"
 MEMORY = 4 << 30  # bytes of addresses
 STOPPING = 20.0  # s, within which a command stops when it is told to
 # What would ask at the terminal, serve until it is stopped, or send something.
@@ -259,14 +266,33 @@ def refuse_constant(name):
     raise ValueError(f"JSON with {name}")
 
 
-def check_files(folder, given):
-    for file in sorted(folder.rglob("*.json")):
-        if file.name in given:
+@functools.lru_cache
+def schema_of(command, name):
+    """Of a file that the command writes; None where there is none, or nothing that knows schemas."""
+    stem = "lifecycle" if (command, name) == ("lifecycle", "result.json") else pathlib.Path(name).stem
+    file = SCHEMAS / f"{stem}.schema.json"
+    if jsonschema is None or not file.exists():
+        return None
+    return jsonschema.Draft202012Validator(json.loads(file.read_text()))
+
+
+def check_files(command, folder, given, names_them):
+    """JSON is valid, and as its schema says; no number of a page, a figure or a table is NaN or infinite."""
+    for file in sorted(folder.rglob("*.*")):
+        if file.name in given or file.suffix not in (".json", ".html", ".svg", ".csv"):
+            continue
+        text, name = file.read_text(), file.relative_to(folder)
+        if file.suffix != ".json":
+            place = re.search(r"(?<![\w.])(nan|inf)(?![\w.])", text)
+            assert names_them or place is None, f"{name}: {text[max(0, place.start() - 60):place.end() + 60]}"
             continue
         try:
-            json.loads(file.read_text(), parse_constant=refuse_constant)
+            content = json.loads(text, parse_constant=refuse_constant)
         except ValueError as error:
-            raise AssertionError(f"{file.relative_to(folder)}: {error}") from error
+            raise AssertionError(f"{name}: {error}") from error
+        schema = schema_of(command, file.name)
+        for error in schema.iter_errors(content) if schema else ():
+            raise AssertionError(f"{name}: {'/'.join(map(str, error.absolute_path))}: {error.message[:200]}")
 
 
 def run_case(world, number, commands, patience):
@@ -307,9 +333,10 @@ def run_case(world, number, commands, patience):
             raise AssertionError(f"an error that says nothing: {errors[0]}")
         own = re.sub("'[^'\n]*'", "''", out.decode(errors="replace") + text)  # without what is quoted
         said = re.search(r".*((?<![\w.])(nan|inf)(?![\w.])|Check failed|\*\*\*).*", own)
-        if said and not re.search("nan|inf", " ".join(arguments).lower()):
+        names_them = re.search("nan|inf", " ".join(arguments).lower()) is not None
+        if said and not names_them:
             raise AssertionError(f"says {said[0][-2000:]}")
-        check_files(folder, {*FILES[command], *files})
+        check_files(command, folder, {*FILES[command], *files}, names_them)
         return code
 
 

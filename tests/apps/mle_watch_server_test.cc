@@ -62,7 +62,8 @@ TEST_F(WatchServerTest, ServesWhatRunsFindUntilItIsStopped) {
 TEST_F(WatchServerTest, AServerWithoutATokenIsReadOnly) {
   const std::vector<std::string> arguments = {
       absl::StrCat("--controllers=", scratch_ / "controllers.json"),
-      absl::StrCat("--out=", scratch_ / "watch"), "--serve=0"};
+      absl::StrCat("--state=", scratch_ / "watch/state.sqlite"), "--serve=0",
+      "--out=/proc"};  // where nobody can write
   ServedWatch served(arguments, scratch_ / "log.txt");
   ASSERT_NE(served.port(), 0) << Content(scratch_ / "log.txt");
   EXPECT_THAT(Content(scratch_ / "log.txt"), HasSubstr("(read-only)"));

@@ -1,13 +1,15 @@
-"""check_identification.py SOURCE: the arithmetic of benchmarks/peers/identification."""
+"""check_identification.py SOURCE BUILD: the arithmetic of benchmarks/peers/identification, and its smallest run."""
 
+import argparse
 import importlib.machinery
 import importlib.util
 import math
 import pathlib
+import subprocess
 import sys
 import tempfile
 
-source = pathlib.Path(sys.argv[1]).resolve()
+source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 sys.dont_write_bytecode = True
 script = str(source / "benchmarks/peers/identification")
 loader = importlib.machinery.SourceFileLoader("identification", script)
@@ -65,8 +67,21 @@ def tables_have_the_worst_run():
     assert "| a | 3 (5) | 3.0 | x (1), y (1) |" in text, text
 
 
+def a_plant_is_judged():
+    """A correction beside the peer that needs NumPy alone."""
+    kernel = "kernel FIR"
+    has_numpy = subprocess.run(["/usr/bin/python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode == 0
+    methods = ["output_error", *([kernel] if has_numpy else [])]
+    with tempfile.TemporaryDirectory() as out:
+        arguments = argparse.Namespace(apps=build / "apps", out=pathlib.Path(out), cases="^two_by_two", seeds=1)
+        ((_, rows),) = identification.judge_plants(arguments, methods)
+    initial, *judged = (rows[method][0][0] for method in ("the initial model", *methods))
+    assert all(error < initial for error in judged), rows
+
+
 step_responses_are_those_of_first_order()
 the_distance_is_a_sum_of_squares()
 plants_age_as_their_names_say()
 peers_get_deviations_from_rest()
 tables_have_the_worst_run()
+a_plant_is_judged()

@@ -47,5 +47,18 @@ def check_a_run():
     assert float(rows[0]["busy"]) > 0.0 and int(rows[0]["mebibytes"]) > 0, rows
 
 
+def check_a_year():
+    """Nine days of it, 30 tags."""
+    year = script.with_name("year")
+    if subprocess.run(["/usr/bin/python3", "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode != 0:
+        print("no NumPy: the year is left out")
+        return
+    done = subprocess.run([year, f"--apps={build}/apps", "--samples=12960", "--tags=30", "--keep=3000"],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "days that move begin at" in done.stdout and "stretches" in done.stdout, done.stdout
+
+
 check_drawn_plants()
 check_a_run()
+check_a_year()

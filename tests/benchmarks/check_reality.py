@@ -1,4 +1,4 @@
-"""check_reality.py SOURCE BUILD: the arithmetic of benchmarks/reality, and two runs of it."""
+"""check_reality.py SOURCE BUILD: the arithmetic of benchmarks/reality, and its smallest runs."""
 
 import csv
 import json
@@ -202,21 +202,28 @@ def mistakes_change_the_files(folder):
         assert same_model != same_record, name
 
 
+def study(folder, *flags):
+    done = subprocess.run([source / "benchmarks/reality/run", f"--apps={build / 'apps'}", f"--out={folder}",
+                           "--seeds=1", *flags], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stderr, (folder / "runs.csv").read_text()
+
+
 def a_study_goes_on_where_it_stopped(folder):
-    def run():
-        done = subprocess.run(
-            [source / "benchmarks/reality/run", f"--apps={build / 'apps'}", f"--out={folder}",
-             "--seeds=1", "--kinds=none,aged,hardware", "--scenarios=^white noise$"],
-            capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr[-2000:]
-        return done.stderr, (folder / "runs.csv").read_text()
-    first, second = run(), run()
+    first, second = (study(folder, "--kinds=none,aged,hardware", "--scenarios=^white noise$") for _ in range(2))
     assert "2 of 2 runs" in first[0] and "runs" not in second[0], (first[0], second[0])
     assert first[1] == second[1]
     rows = list(csv.DictReader(first[1].splitlines()))
     assert [row["decision"] for row in rows] == ["no_change", "corrected"], rows
     assert float(rows[1]["E_after"]) < 0.2 * float(rows[1]["E_before"])
     assert math.isclose(float(rows[0]["E_before"]), 0.0, abs_tol=1e-12)
+
+
+def mistakes_and_adversaries_are_run(folder):
+    for flags in (("--kinds=mistakes", "--scenarios=^sign of an input$"),
+                  ("--group=adversary", "--kinds=aged", "--scenarios=^nothing else$")):
+        (row,) = csv.DictReader(study(folder, *flags)[1].splitlines())
+        assert (row["decision"] == "corrected") == ("--group=adversary" in flags), row
 
 
 the_reactor_is_that_of_its_file()
@@ -232,3 +239,4 @@ averages_are_stamped_where_they_say()
 with tempfile.TemporaryDirectory() as scratch:
     mistakes_change_the_files(pathlib.Path(scratch))
     a_study_goes_on_where_it_stopped(pathlib.Path(scratch))
+    mistakes_and_adversaries_are_run(pathlib.Path(scratch))

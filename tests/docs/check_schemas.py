@@ -111,6 +111,13 @@ def check_commands(folder):
             faults.append(f"{out}: no state_space.json")
         check("process_model", out / "fopdt.json")
         check("process_model", out / "model.json")
+    rows = [line.split(",") for line in (folder / "run.csv").read_text().splitlines()]
+    kept = [c for c, name in enumerate(rows[0]) if not name.endswith("_setpoint")]
+    (folder / "no_set_points.csv").write_text("".join(",".join(row[c] for c in kept) + "\n" for row in rows))
+    out = folder / "no_set_points"
+    run("mle_correct", model, f"--data={folder}/no_set_points.csv", f"--out={out}", "--figures=false",
+        "--estimator=output_error", accepted=(0, 1))
+    check("result", out / "result.json")
     tank = source / "tests/fuzz/corpus/step_response_model/tank.json"
     run("mle_simulate", f"--model={tank}", f"--plant={tank}", "--setpoints=temperature:50:1",
         "--duration=250", "--noise_variance=1e-3", f"--out={folder}/tank.csv")

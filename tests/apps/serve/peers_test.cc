@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <string>
 
 #include "absl/time/time.h"
@@ -47,7 +48,7 @@ class PeersTest : public ::testing::Test {
                  [this] { return now_; });
   }
 
-  absl::Time now_ = absl::UnixEpoch();
+  Peers::Clock::time_point now_;
 };
 
 TEST_F(PeersTest, WhoIsLateIsCutOffButNotWhileItsAnswerIsMade) {
@@ -57,21 +58,21 @@ TEST_F(PeersTest, WhoIsLateIsCutOffButNotWhileItsAnswerIsMade) {
   peers.Add(waits.server());
   Peers::Peer* const asking = peers.Add(asks.server());
   peers.BeginAnswer(asking);
-  now_ += absl::Seconds(11);
+  now_ += std::chrono::seconds(11);
   peers.CutLate();
   EXPECT_TRUE(waits.IsCut());
   EXPECT_FALSE(asks.IsCut());
   EXPECT_TRUE(peers.IsAnyAnswered());
   peers.SendAnswer(asking, nullptr);
-  now_ += absl::Seconds(59);
+  now_ += std::chrono::seconds(59);
   peers.CutLate();
   EXPECT_FALSE(asks.IsCut());
   peers.EndAnswer(asking);
   EXPECT_FALSE(peers.IsAnyAnswered());
-  now_ += absl::Seconds(9);
+  now_ += std::chrono::seconds(9);
   peers.CutLate();
   EXPECT_FALSE(asks.IsCut());
-  now_ += absl::Seconds(2);
+  now_ += std::chrono::seconds(2);
   peers.CutLate();
   EXPECT_TRUE(asks.IsCut());
 }
@@ -82,7 +83,7 @@ TEST_F(PeersTest, WhoTakesAnAnswerTooLongIsCutOff) {
   Peers::Peer* const peer = peers.Add(ends.server());
   peers.BeginAnswer(peer);
   peers.SendAnswer(peer, nullptr);
-  now_ += absl::Seconds(61);
+  now_ += std::chrono::seconds(61);
   peers.CutLate();
   EXPECT_TRUE(ends.IsCut());
   EXPECT_FALSE(peers.IsAnyAnswered());

@@ -356,6 +356,7 @@ TEST_F(RoutesTest, AListThatCannotBeReadLeavesWhatWasThere) {
   }
   EXPECT_THAT(GetJson("/api/v1/controllers")["controllers"], SizeIs(3));
   EXPECT_THAT(*Get("/metrics").body, HasSubstr("mle_watch_up 0\n"));
+  EXPECT_THAT(*Get("/").body, HasSubstr("This is what was read before: "));
 }
 
 TEST_F(RoutesTest, BeforeTheFirstReadingItIsSaid) {

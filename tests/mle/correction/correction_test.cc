@@ -14,6 +14,7 @@ namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(MakeLambdaGridTest, HoldsThePapersValues) {
   const auto grid = MakeLambdaGrid(1e-2, 1e-6);
@@ -48,6 +49,8 @@ TEST(MakeLambdaGridTest, RefusesBadInput) {
   }
   EXPECT_THAT(std::string(MakeLambdaGrid(1.0, 1e-9).status().message()),
               HasSubstr("at most 1e7"));
+  EXPECT_THAT(std::string(MakeLambdaGrid(1e308, 1e-9).status().message()),
+              Not(HasSubstr("inf")));
 }
 
 // The model believes in another gain of the first input.

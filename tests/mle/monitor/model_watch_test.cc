@@ -245,7 +245,7 @@ TEST_F(ModelWatchTest, WrongArgumentsAreNamed) {
   ProcessModel slow = TankModel();
   slow.element(1, 1) = TransferFunction::FirstOrder(0.5, 5e9, 5.0);
   EXPECT_THAT(std::string(ModelWatch::Create(slow, 1.0, {}).status().message()),
-              HasSubstr("samples; at most 1e+06 are supported"));
+              HasSubstr("more than 1e+06 samples of 1;"));
   EXPECT_THAT(watch_.MakeReference({}).status().message(), HasSubstr("none"));
   EXPECT_EQ(NameOf(BatchState::kCannotTell), "cannot_tell");
 }
