@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
+#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -92,7 +92,8 @@ TEST(RunUnitTest, AblationsDiffer) {
   for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
     RunUnit(campaign, grid, grid.RunsOf(unit), stop,
             [&](const Outcome& outcome) {
-              ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+              ASSERT_TRUE(outcome.evaluation.ok())
+                  << outcome.evaluation.status();
               E[outcome.at.scenario.ablation] = outcome.evaluation->E();
             });
   }
@@ -146,7 +147,7 @@ TEST(RunUnitTest, OutliersAreFoundByTheModel) {
   const std::atomic<bool> stop{false};
   std::map<std::pair<int, int>, double> E;  // by method and windows
   RunUnit(campaign, grid, grid.RunsOf(0), stop, [&](const Outcome& outcome) {
-    ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+    ASSERT_TRUE(outcome.evaluation.ok()) << outcome.evaluation.status();
     E[{outcome.at.method, outcome.at.scenario.windows}] =
         outcome.evaluation->E();
   });
