@@ -32,6 +32,16 @@ TextValue CurrencyOf(Request& request) {
   }};
 }
 
+// A length of time; blank, the default, leaves the field as it is.
+TextValue HoursOrNever(double* hours) {
+  TextValue value = Hours(hours, "");
+  value.read = [read = value.read](const std::string& given,
+                                   const NumberRange& range) {
+    return given.empty() ? absl::OkStatus() : read(given, range);
+  };
+  return value;
+}
+
 std::vector<Option> PlantOptions(Request& request) {
   return {
       {"model", &request.model_path,
@@ -237,15 +247,6 @@ TextValue Hours(double* hours, std::string text) {
             MLE_ASSIGN_OR_RETURN(*hours, ParseHours(given));
             return absl::OkStatus();
           }};
-}
-
-TextValue HoursOrNever(double* hours) {
-  TextValue value = Hours(hours, "");
-  value.read = [read = value.read](const std::string& given,
-                                   const NumberRange& range) {
-    return given.empty() ? absl::OkStatus() : read(given, range);
-  };
-  return value;
 }
 
 }  // namespace mle::lifecycle

@@ -107,6 +107,13 @@ absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text) {
   return policies;
 }
 
+std::size_t PlaceOf(Policy::Kind kind, const std::vector<Policy>& policies) {
+  const auto found =
+      std::find_if(policies.begin(), policies.end(),
+                   [&](const Policy& policy) { return policy.kind == kind; });
+  return static_cast<std::size_t>(found - policies.begin());
+}
+
 namespace {
 
 // "2nd", "3rd", "12th".

@@ -40,6 +40,9 @@ struct Policy {
 // is duplicated, and what is known.
 absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text);
 
+// The place of the first one of a kind, or the number of policies.
+std::size_t PlaceOf(Policy::Kind kind, const std::vector<Policy>& policies);
+
 // Policies in the words of those who run a plant.
 
 // In tables and figures: "corrected every 3rd change".
