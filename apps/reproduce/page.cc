@@ -15,6 +15,9 @@ namespace mle::reproduce {
 using report::FormatScientific;
 using report::FormatSignificant;
 
+namespace {
+
+// "E falls from … to …", for each case.
 std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
   std::vector<std::string> sentences;
   for (const CaseResult& result : cases) {
@@ -33,8 +36,6 @@ std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
   }
   return sentences;
 }
-
-namespace {
 
 using Figures = std::vector<report::DrawnFigure>;
 

@@ -69,12 +69,6 @@ void AddOptions(Request& request, OptionTable& table);
 // something is run; errors name the option or the file.
 absl::Status Complete(Request& request, OptionTable& table);
 
-// The initial model and the plants of a reproduction.
-
-// Fills in the campaign's model and mismatches: the user's own, or the paper's.
-// Errors name the option, and the file if there is one.
-absl::Status ReadCases(Request& request);
-
 }  // namespace mle::reproduce
 
 #endif  // APPS_REPRODUCE_REQUEST_H_
