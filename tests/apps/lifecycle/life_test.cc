@@ -12,7 +12,6 @@ namespace {
 using testing::Fouling;
 using testing::NoisyTank;
 using testing::QuietTank;
-using testing::Tank;
 using testing::TankLife;
 using testing::TankScenario;
 
