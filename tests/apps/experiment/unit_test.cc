@@ -90,12 +90,11 @@ TEST(RunUnitTest, AblationsDiffer) {
   const std::atomic<bool> stop{false};
   std::map<int, double> E;
   for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
-    RunUnit(campaign, grid, grid.RunsOf(unit), stop,
-            [&](const Outcome& outcome) {
-              ASSERT_TRUE(outcome.evaluation.ok())
-                  << outcome.evaluation.status();
-              E[outcome.at.scenario.ablation] = outcome.evaluation->E();
-            });
+    RunUnit(
+        campaign, grid, grid.RunsOf(unit), stop, [&](const Outcome& outcome) {
+          ASSERT_TRUE(outcome.evaluation.ok()) << outcome.evaluation.status();
+          E[outcome.at.scenario.ablation] = outcome.evaluation->E();
+        });
   }
   ASSERT_EQ(E.size(), campaign.ablations.size());
   for (std::size_t i = 1; i < E.size(); ++i) {
