@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "Eigen/LU"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
 #include "gtest/gtest.h"
