@@ -224,35 +224,10 @@ std::string BashCompletion(std::string_view command, const OptionTable& table) {
     absl::StrAppend(&cases, "    --", option.name,
                     ") words=", Quoted(option.values), " ;;\n");
   }
-  const std::string function = absl::StrCat("_", AbslView(command));
-  // The name and the value may be three words (=  splits them) or one.
-  return absl::StrCat(
-      "# bash completion for ", AbslView(command), "\n", function, "() {\n",
-      R"sh(  local current=${COMP_WORDS[COMP_CWORD]} flag='' words='' before=''
-  if [[ $current == --*=* ]]; then
-    flag=${current%%=*} before=$flag= current=${current#*=}
-  elif [[ $current == = ]]; then
-    flag=${COMP_WORDS[COMP_CWORD-1]} current=''
-  elif ((COMP_CWORD > 1)) && [[ ${COMP_WORDS[COMP_CWORD-1]} == = ]]; then
-    flag=${COMP_WORDS[COMP_CWORD-2]}
-  fi
-  compopt +o nospace 2>/dev/null
-  case $flag in
-)sh",
-      "    '') words=", Quoted(flags), " ;;\n", cases, R"sh(  esac
-  if [[ -n $words ]]; then
-    mapfile -t COMPREPLY < <(compgen -P "$before" -W "$words" -- "$current")
-    [[ ${COMPREPLY[0]:-} == *= ]] && compopt -o nospace 2>/dev/null
-  else
-    if [[ $current == *,* ]]; then
-      before+=${current%,*}, current=${current##*,}
-    fi
-    mapfile -t COMPREPLY < <(compgen -P "$before" -f -- "$current")
-    compopt -o filenames 2>/dev/null
-  fi
-}
-)sh",
-      "complete -F ", function, " ", AbslView(command), "\n");
+  return absl::StrReplaceAll(AbslView(CompletionTemplate()),
+                             {{"@command@", AbslView(command)},
+                              {"@flags@", Quoted(flags)},
+                              {"@cases@", cases}});
 }
 
 }  // namespace mle

@@ -38,6 +38,10 @@ std::string ManualPage(std::string_view command, std::string_view version,
 // A script for bash's programmable completion: flags, the values of those that
 // have names, and files.
 std::string BashCompletion(std::string_view command, const OptionTable& table);
+// The same with @command@, @flags@ and @cases@ in their places
+// (completion.bash). In it the name and the value may be three words, where =
+// splits them, or one.
+std::string_view CompletionTemplate();
 
 }  // namespace mle
 

@@ -58,8 +58,8 @@ const Ablation* FindAblation(const std::string& name);
 //
 //   arx:none           the paper's method
 //   arx:adequacy       the same, if the inputs explain part of the residuals
-//   output_error:none    every element free
-//   combined           as of mle_correct
+//   output_error:none  every element free
+//   output_error       as of mle_correct, without its explanations
 
 struct Method {
   // None: the model stays as it is.

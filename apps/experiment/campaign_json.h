@@ -3,16 +3,12 @@
 #ifndef APPS_EXPERIMENT_CAMPAIGN_JSON_H_
 #define APPS_EXPERIMENT_CAMPAIGN_JSON_H_
 
-#include <cstdint>
-#include <set>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/experiment/campaign.h"
-#include "mle/base/status.h"
 #include "mle/model/json_node.h"
 
 namespace mle::experiment {
@@ -29,49 +25,9 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
 absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
                                        const std::string& source);
 
-// The parts of a campaign's JSON, for campaign_json.cc.
-
-// Fails if `name` is in `names` already, which it joins.
-absl::Status CheckNewName(const JsonNode& node, const std::string& name,
-                          std::set<std::string>& names);
-
-// The list at `key`, whose entries `parse(node, entry)` fills in and names,
-// each with a name of its own. Without the key the list stays as it is.
-template <typename Entry, typename Parse>
-absl::Status ReadNamedList(const JsonNode& node, const std::string& key,
-                           const Parse& parse, std::vector<Entry>& list) {
-  if (!node.Has(key)) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements,
-                       node.At(key).Elements());
-  list.clear();
-  std::set<std::string> names;
-  for (const JsonNode& element : elements) {
-    Entry& entry = list.emplace_back();
-    MLE_RETURN_IF_ERROR(parse(element, entry));
-    MLE_RETURN_IF_ERROR(CheckNewName(element, entry.name, names));
-  }
-  return absl::OkStatus();
-}
-
-// A list of different numbers.
-absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
-                                                    const NumberRange& range);
-
-// Parsers of the parts that define the simulation.
-
-absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node);
-absl::Status ParseModelSpec(const JsonNode& node, ModelSpec& spec);
-// Those that name a plant must have the channels of every model.
-absl::StatusOr<std::vector<Mismatch>> ParseMismatches(
-    const JsonNode& node, const std::vector<ModelSpec>& models);
-// Effects as in a file of mle_simulate, for the channels of every model.
-absl::StatusOr<std::vector<sim::Effects>> ParseEffectsOf(
-    const JsonNode& node, const std::vector<ModelSpec>& models);
-absl::Status ParseEffectsSpec(const JsonNode& node,
-                              const std::vector<ModelSpec>& models,
-                              EffectsSpec& spec);
-absl::Status ParseController(const JsonNode& node, ControllerSpec& spec);
-absl::Status ParseWindow(const JsonNode& node, WindowSpec& spec);
+// That the effects of a file have the keys and channels that every model of the
+// campaign needs, if its models are right.
+absl::Status CheckEffects(const JsonNode& effects, const JsonNode& campaign);
 
 }  // namespace mle::experiment
 

@@ -4,13 +4,16 @@
 #include <cmath>
 #include <random>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/experiment/campaign.h"
+#include "mle/base/option_error.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/correction/excitation.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_reconstruction.h"
+#include "sim/closed_loop.h"
 
 namespace mle::experiment {
 namespace {
@@ -61,22 +64,114 @@ OutputErrorOptions OutputErrorOptionsFor(OutlierTreatment treatment) {
   return options;
 }
 
+// R for one seed.
+absl::StatusOr<ConversionSummary> ConvertInitialModel(
+    const ProcessModel& initial, std::uint64_t seed,
+    const ExperimentOptions& options) {
+  ExcitationOptions excitation;
+  excitation.sample_time = options.sample_time;
+  excitation.duration = options.conversion_duration;
+  excitation.noise_variance =
+      options.conversion_noise_variance.value_or(options.noise_variance);
+  excitation.seed = seed;
+  excitation.stream = kConversionStream;
+  MLE_ASSIGN_OR_RETURN(const Record record,
+                       SimulateExcitation(initial, excitation));
+  return ConvertToArx(record, options.conversion);
+}
+
+// A run of the closed loop, and the times of the changes that are kept of it.
+struct LoopPlan {
+  sim::SetPointProfile set_points;
+  std::vector<double> changes;
+  std::uint64_t stream = kRunStream;
+};
+
+// A run for each output, or one of many changes.
+std::vector<LoopPlan> PlanLoops(const WindowSpec& spec, int outputs) {
+  std::vector<LoopPlan> plans;
+  if (spec.changes == 0) {
+    for (int e = 0; e < outputs; ++e) {
+      plans.push_back(
+          {StepOf(e, spec), {spec.step_time}, static_cast<std::uint64_t>(e)});
+    }
+    return plans;
+  }
+  LoopPlan& plan = plans.emplace_back();
+  for (int change = 0; change < spec.changes; ++change) {
+    const double time = spec.window + change * spec.spacing;
+    const bool up = (change / outputs) % 2 == 0;
+    plan.set_points.steps.push_back(
+        {change % outputs, time, up ? spec.setpoint_step : 0.0});
+    plan.changes.push_back(time);
+  }
+  return plans;
+}
+
+// The records of the closed loop, a window for each set-point change.
+absl::StatusOr<std::vector<Record>> SimulateWindows(
+    const ProcessModel& initial, const ProcessModel& plant, std::uint64_t seed,
+    const ExperimentOptions& options) {
+  MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
+                       control::Mpc::Create(initial, options.controller));
+  const WindowSpec& spec = options.windows;
+  std::vector<Record> windows;
+  for (const LoopPlan& plan : PlanLoops(spec, plant.num_outputs())) {
+    MLE_ASSIGN_OR_RETURN(
+        const Record record,
+        SimulateLoop(mpc, plant, plan.set_points, options.noise_variance, seed,
+                     plan.stream, options.conditions, options));
+    for (const double time : plan.changes) {
+      const auto change =
+          static_cast<int>(std::lround(time / options.sample_time));
+      MLE_ASSIGN_OR_RETURN(windows.emplace_back(),
+                           CutWindow(record, change, spec.window, spec.window));
+    }
+  }
+  return windows;
+}
+
 }  // namespace
 
-absl::StatusOr<const ConversionSummary*> SharedConversion::Get(
-    const ExperimentOptions& options) {
-  double seconds = 0.0;
-  const auto conversion = conversion_.Get(
-      [&] { return ConvertInitialModel(initial_, seed_, options); }, seconds);
-  if (conversion.ok()) return *conversion;
-  return absl::Status(
-      conversion.status().code(),
-      absl::StrCat("conversion: ", conversion.status().message()));
+sim::SetPointProfile StepOf(int output, const WindowSpec& windows) {
+  sim::SetPointProfile set_points;
+  for (int before = 0; before < output; ++before) {
+    set_points.steps.push_back({before, 0.0, windows.setpoint_step});
+  }
+  set_points.steps.push_back(
+      {output, windows.step_time, windows.setpoint_step});
+  return set_points;
+}
+
+absl::StatusOr<Record> SimulateLoop(control::Mpc mpc, const ProcessModel& plant,
+                                    const sim::SetPointProfile& set_points,
+                                    double noise_variance, std::uint64_t seed,
+                                    std::uint64_t stream,
+                                    const sim::PlantConditions& conditions,
+                                    const ExperimentOptions& options) {
+  sim::ClosedLoopOptions loop;
+  loop.sample_time = options.sample_time;
+  loop.control_period = options.controller.control_period;
+  loop.duration = options.windows.run_duration();
+  loop.noise_variance = noise_variance;
+  loop.seed = seed;
+  loop.stream = stream;
+  sim::PlantConditions all = conditions;
+  options.effects.AddTo(all);
+  sim::SetPointProfile moved = set_points;
+  MLE_RETURN_IF_ERROR(
+      options.effects.AddTo(moved, loop.duration, seed, stream));
+  return sim::SimulateClosedLoop(
+      plant,
+      [&mpc](const auto& measured, const auto& wanted, auto next) {
+        mpc.Step(measured, wanted, next);
+      },
+      moved, loop, all);
 }
 
 absl::StatusOr<std::unique_ptr<Experiment>> Experiment::Create(
     const Campaign& campaign, const Scenario& scenario, std::uint64_t seed,
-    const ProcessModel& initial, SharedConversion& conversion) {
+    const ProcessModel& initial, Shared<ConversionSummary>& conversion) {
   std::unique_ptr<Experiment> made(
       new Experiment(campaign, scenario, seed, initial, conversion));
   MLE_ASSIGN_OR_RETURN(made->base_,
@@ -117,9 +212,12 @@ EstimationOptions Experiment::EstimationOf(const Method& method) {
       [this, initial = *method.estimator == Estimator::kArx](
           const ProcessModel& model) -> absl::StatusOr<ConversionSummary> {
     if (!initial) return ConvertInitialModel(model, seed_, options_);
-    MLE_ASSIGN_OR_RETURN(const ConversionSummary* const conversion,
-                         conversion_.Get(options_));
-    return *conversion;
+    double seconds = 0.0;
+    const absl::StatusOr<const ConversionSummary*> made = conversion_.Get(
+        [&] { return ConvertInitialModel(initial_, seed_, options_); },
+        seconds);
+    if (!made.ok()) return WithPrefix(made.status(), "conversion: ");
+    return **made;
   };
   ExperimentOptions options = base_;
   if (method.UsesLambda()) {

@@ -35,13 +35,7 @@
 
 namespace mle::experiment {
 
-// The records of one run: what the initial model is converted from, and what
-// the closed loop leaves around its set-point changes.
-
-// R for one seed.
-absl::StatusOr<ConversionSummary> ConvertInitialModel(
-    const ProcessModel& initial, std::uint64_t seed,
-    const ExperimentOptions& options);
+// The closed loop that leaves records around its set-point changes.
 
 // The set points of the run in which that of `output` steps (WindowSpec without
 // `changes`).
@@ -55,27 +49,6 @@ absl::StatusOr<Record> SimulateLoop(control::Mpc mpc, const ProcessModel& plant,
                                     std::uint64_t stream,
                                     const sim::PlantConditions& conditions,
                                     const ExperimentOptions& options);
-
-// The records of the closed loop, a window for each set-point change.
-absl::StatusOr<std::vector<Record>> SimulateWindows(
-    const ProcessModel& initial, const ProcessModel& plant, std::uint64_t seed,
-    const ExperimentOptions& options);
-
-// R of the initial model, for all scenarios of a unit (grid.h): not every
-// estimator needs it.
-class SharedConversion {
- public:
-  SharedConversion(const ProcessModel& initial, std::uint64_t seed)
-      : initial_(initial), seed_(seed) {}
-
-  absl::StatusOr<const ConversionSummary*> Get(
-      const ExperimentOptions& options);
-
- private:
-  const ProcessModel& initial_;
-  const std::uint64_t seed_;
-  Shared<ConversionSummary> conversion_;
-};
 
 // E of ΔR for the whole model, with one λ for all outputs, which only a
 // simulation can know: at the best λ of the grid, and at the smallest.
@@ -104,10 +77,12 @@ struct Evaluation {
 
 class Experiment {
  public:
-  // The arguments must outlive the object.
+  // The arguments must outlive the object. `conversion`: R of the initial
+  // model, which not every estimator needs, for all scenarios of a unit
+  // (grid.h).
   static absl::StatusOr<std::unique_ptr<Experiment>> Create(
       const Campaign& campaign, const Scenario& scenario, std::uint64_t seed,
-      const ProcessModel& initial, SharedConversion& conversion);
+      const ProcessModel& initial, Shared<ConversionSummary>& conversion);
 
   absl::StatusOr<Evaluation> Run(const Method& method);
 
@@ -129,7 +104,7 @@ class Experiment {
  private:
   Experiment(const Campaign& campaign, const Scenario& scenario,
              std::uint64_t seed, const ProcessModel& initial,
-             SharedConversion& conversion)
+             Shared<ConversionSummary>& conversion)
       : campaign_(campaign),
         scenario_(scenario),
         seed_(seed),
@@ -145,7 +120,7 @@ class Experiment {
   const Scenario scenario_;
   const std::uint64_t seed_;
   const ProcessModel& initial_;
-  SharedConversion& conversion_;
+  Shared<ConversionSummary>& conversion_;
   ExperimentOptions base_;     // without the ablation
   ExperimentOptions options_;  // with it
   ProcessModel plant_;

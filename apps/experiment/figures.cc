@@ -152,27 +152,28 @@ SweptAxis ChooseAxis(const Campaign& campaign) {
   for (const Mismatch& mismatch : campaign.mismatches) {
     if (!mismatch.changes.empty()) sizes.insert(mismatch.size);
   }
+  const std::pair<std::size_t, SweptAxis> axes[] = {
+      {campaign.noise_variances.size(),
+       {Axis::kNoise, "noise variance σ²", true,
+        [&campaign](const Scenario& scenario) {
+          return campaign.noise_variances[scenario.noise];
+        }}},
+      {campaign.drift_variances.size(),
+       {Axis::kDrift, "drift variance q a sample", true,
+        [&campaign](const Scenario& scenario) {
+          return campaign.drift_variances[scenario.drift];
+        }}},
+      {sizes.size(),
+       {Axis::kSize, "size of the mismatch", false,
+        [&campaign](const Scenario& scenario) {
+          return campaign.mismatches[scenario.mismatch].size;
+        }}}};
   std::size_t most = 2;
   SweptAxis chosen;
-  if (campaign.noise_variances.size() > most) {
-    most = campaign.noise_variances.size();
-    chosen = {Axis::kNoise, "noise variance σ²", true,
-              [&campaign](const Scenario& scenario) {
-                return campaign.noise_variances[scenario.noise];
-              }};
-  }
-  if (campaign.drift_variances.size() > most) {
-    most = campaign.drift_variances.size();
-    chosen = {Axis::kDrift, "drift variance q a sample", true,
-              [&campaign](const Scenario& scenario) {
-                return campaign.drift_variances[scenario.drift];
-              }};
-  }
-  if (sizes.size() > most) {
-    chosen = {Axis::kSize, "size of the mismatch", false,
-              [&campaign](const Scenario& scenario) {
-                return campaign.mismatches[scenario.mismatch].size;
-              }};
+  for (const auto& [values, axis] : axes) {
+    if (values <= most) continue;
+    most = values;
+    chosen = axis;
   }
   return chosen;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <sstream>
 
 #include "absl/strings/numbers.h"
@@ -15,9 +16,18 @@
 namespace mle::experiment {
 namespace {
 
-template <typename List>
-int Count(const List& list) {
-  return static_cast<int>(list.size());
+// The digits of a scenario, the slowest first. Runs that share the first ones
+// share the conversion of the initial model.
+constexpr int Scenario::*kDigits[] = {
+    &Scenario::model,   &Scenario::noise,   &Scenario::ablation,
+    &Scenario::drift,   &Scenario::effects, &Scenario::controller,
+    &Scenario::windows, &Scenario::mismatch};
+constexpr std::size_t kConversionDigits = 3;
+
+std::int64_t Product(std::span<const int> counts) {
+  std::int64_t product = 1;
+  for (const int count : counts) product *= count;
+  return product;
 }
 
 // The last digit of `number` in base `base`, which is taken off.
@@ -30,29 +40,22 @@ int Digit(std::int64_t& number, int base) {
 }  // namespace
 
 Grid::Grid(const Campaign& campaign, int unit_scenarios)
-    : models_(Count(campaign.models)),
-      noises_(Count(campaign.noise_variances)),
-      ablations_(Count(campaign.ablations)),
-      drifts_(Count(campaign.drift_variances)),
-      effects_(Count(campaign.effects)),
-      controllers_(Count(campaign.controllers)),
-      windows_(Count(campaign.windows)),
-      mismatches_(Count(campaign.mismatches)),
-      methods_(Count(campaign.methods)),
-      seeds_(Count(campaign.seeds)),
+    : methods_(static_cast<int>(campaign.methods.size())),
+      seeds_(static_cast<int>(campaign.seeds.size())),
       unit_scenarios_(unit_scenarios) {
   constexpr double kMostRuns = 1e9;
-  double runs = 1.0;
-  for (const int count :
-       {models_, noises_, ablations_, drifts_, effects_, controllers_, windows_,
-        mismatches_, methods_, seeds_}) {
-    runs *= count;
-  }
+  const std::size_t counts[] = {
+      campaign.models.size(),    campaign.noise_variances.size(),
+      campaign.ablations.size(), campaign.drift_variances.size(),
+      campaign.effects.size(),   campaign.controllers.size(),
+      campaign.windows.size(),   campaign.mismatches.size()};
+  std::copy(std::begin(counts), std::end(counts), scenario_counts_.begin());
+  double runs = static_cast<double>(methods_) * seeds_;
+  for (const int count : scenario_counts_) runs *= count;
   countable_ = runs <= kMostRuns;
-  conversions_ = static_cast<std::int64_t>(models_) * noises_ * ablations_;
-  shared_ = countable_ ? static_cast<std::int64_t>(drifts_) * effects_ *
-                             controllers_ * windows_ * mismatches_
-                       : 1;
+  const std::span<const int> digits(scenario_counts_);
+  conversions_ = Product(digits.first(kConversionDigits));
+  shared_ = countable_ ? Product(digits.subspan(kConversionDigits)) : 1;
   blocks_ = (shared_ + unit_scenarios_ - 1) / unit_scenarios_;
   scenarios_ = countable_ ? conversions_ * shared_ : 1;
 }
@@ -61,14 +64,9 @@ Coordinates Grid::At(std::int64_t run) const {
   Coordinates at;
   at.seed = Digit(run, seeds_);
   at.method = Digit(run, methods_);
-  at.scenario.mismatch = Digit(run, mismatches_);
-  at.scenario.windows = Digit(run, windows_);
-  at.scenario.controller = Digit(run, controllers_);
-  at.scenario.effects = Digit(run, effects_);
-  at.scenario.drift = Digit(run, drifts_);
-  at.scenario.ablation = Digit(run, ablations_);
-  at.scenario.noise = Digit(run, noises_);
-  at.scenario.model = static_cast<int>(run);
+  for (std::size_t d = std::size(kDigits); d-- > 0;) {
+    at.scenario.*kDigits[d] = Digit(run, scenario_counts_[d]);
+  }
   return at;
 }
 

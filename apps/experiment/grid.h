@@ -54,8 +54,8 @@ class Grid {
   std::vector<std::int64_t> RunsOf(std::int64_t unit) const;
 
  private:
-  int models_, noises_, ablations_, drifts_, effects_, controllers_, windows_;
-  int mismatches_, methods_, seeds_;
+  std::array<int, 8> scenario_counts_;  // digit by digit
+  int methods_, seeds_;
   int unit_scenarios_;
   std::int64_t conversions_;  // models × noises × ablations
   std::int64_t shared_;       // scenarios that share a conversion

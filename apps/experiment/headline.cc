@@ -16,6 +16,23 @@ using report::Badge;
 using report::FormatInteger;
 using report::FormatSignificant;
 
+enum class Ending { kCloser, kUnchanged, kFarther };
+
+// `cell` is a case: it has values of E.
+Ending EndingOf(const Cell& cell) {
+  const double before = cell[Metric::kInitialE].median();
+  const double after = cell[Metric::kE].median();
+  if (after < before) return Ending::kCloser;
+  return after > before ? Ending::kFarther : Ending::kUnchanged;
+}
+
+// Whether the cell is a case, and not a model left as it is or a cell in which
+// every run failed.
+bool IsCase(const Campaign& campaign, const Cell& cell) {
+  return campaign.methods[cell.at.method].estimator.has_value() &&
+         cell[Metric::kE].count > 0;
+}
+
 // More cases are told in tables.
 constexpr std::size_t kMostCases = 3;
 
@@ -170,18 +187,6 @@ std::map<std::int64_t, double> Smallest(const Campaign& campaign,
 
 }  // namespace
 
-Ending EndingOf(const Cell& cell) {
-  const double before = cell[Metric::kInitialE].median();
-  const double after = cell[Metric::kE].median();
-  if (after < before) return Ending::kCloser;
-  return after > before ? Ending::kFarther : Ending::kUnchanged;
-}
-
-bool IsCase(const Campaign& campaign, const Cell& cell) {
-  return campaign.methods[cell.at.method].estimator.has_value() &&
-         cell[Metric::kE].count > 0;
-}
-
 std::vector<MethodTally> TallyMethods(const Campaign& campaign,
                                       const StudySummary& summary) {
   const std::map<std::int64_t, double> smallest = Smallest(campaign, summary);
@@ -226,6 +231,54 @@ report::Verdict VerdictOf(const Campaign& campaign,
   verdict.sentences.push_back(RunsSentence(campaign, summary));
   std::erase(verdict.sentences, "");
   return verdict;
+}
+
+std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario) {
+  return ScenarioLabel(campaign, scenario, Axis::kNone);
+}
+
+std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
+                          Axis without) {
+  const Mismatch& mismatch = campaign.mismatches[scenario.mismatch];
+  const bool sizes = std::any_of(
+      campaign.mismatches.begin(), campaign.mismatches.end(),
+      [&](const Mismatch& other) {
+        return other.name == mismatch.name && other.size != mismatch.size;
+      });
+  std::vector<std::string> parts = {mismatch.name};
+  if (sizes && without != Axis::kSize) {
+    parts.back() += absl::StrCat("\u00a0×\u00a0", mismatch.size);
+  }
+  const auto add = [&](const auto& values, const std::string& text,
+                       Axis axis = Axis::kNone) {
+    const bool is_shown = axis == Axis::kNone || axis != without;
+    if (values.size() > 1 && is_shown) parts.push_back(text);
+  };
+  const Ablation* const ablation = campaign.ablations[scenario.ablation];
+  const std::string& effects = campaign.effects[scenario.effects].name;
+  add(campaign.models, campaign.models[scenario.model].name);
+  add(campaign.noise_variances,
+      absl::StrCat("σ² ", campaign.noise_variances[scenario.noise]),
+      Axis::kNoise);
+  add(campaign.ablations, ablation == nullptr ? "no ablation" : ablation->name);
+  add(campaign.drift_variances,
+      absl::StrCat("q ", campaign.drift_variances[scenario.drift]),
+      Axis::kDrift);
+  add(campaign.effects, effects == "none" ? "no effects" : effects);
+  add(campaign.controllers, campaign.controllers[scenario.controller].name);
+  add(campaign.windows, campaign.windows[scenario.windows].name);
+  return absl::StrJoin(parts, ", ");
+}
+
+std::string MethodLabel(const Campaign& campaign, const Method& method) {
+  std::vector<std::string> parts = {method.name()};
+  if (method.selection >= 0 && campaign.selections.size() > 1) {
+    parts.push_back(campaign.selections[method.selection].name);
+  }
+  if (method.solver >= 0 && campaign.solvers.size() > 1) {
+    parts.push_back(campaign.solvers[method.solver].name);
+  }
+  return absl::StrJoin(parts, ", ");
 }
 
 }  // namespace mle::experiment

@@ -35,14 +35,6 @@ std::string MethodLabel(const Campaign& campaign, const Method& method);
 // step responses is below that of the initial model, and farther where it is
 // above.
 
-enum class Ending { kCloser, kUnchanged, kFarther };
-
-// `cell` is a case: it has values of E.
-Ending EndingOf(const Cell& cell);
-// Whether the cell is a case, and not a model left as it is or a cell in which
-// every run failed.
-bool IsCase(const Campaign& campaign, const Cell& cell);
-
 // The counts and error ratios of the cases of one method.
 struct MethodTally {
   int method = 0;  // of the campaign's
@@ -82,18 +74,6 @@ report::Table MethodTable(const Campaign& campaign,
 // E before and after.
 report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
                          Rows rows);
-// Mean and extremes of E.
-report::Table MeanTable(const Campaign& campaign, const StudySummary& summary,
-                        Rows rows);
-// λ chosen and best.
-report::Table LambdaTable(const Campaign& campaign, const StudySummary& summary,
-                          Rows rows);
-// Gains and dead times.
-report::Table ElementTable(const Campaign& campaign,
-                           const StudySummary& summary, Rows rows);
-
-// How often each failure occurred.
-report::Table FailureTable(const StudySummary& summary);
 
 // The figures of a campaign.
 
@@ -105,12 +85,6 @@ report::Table FailureTable(const StudySummary& summary);
 inline constexpr int kMaxPanels = 6;
 std::vector<report::NamedFigure> MakeFigures(const Campaign& campaign,
                                              const StudySummary& summary);
-
-// The report of mle_study.
-
-std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
-                       const std::vector<report::DrawnFigure>& figures,
-                       const report::RunAgain& run_again);
 
 // The files that mle_study writes beside runs.csv (summary.csv, summary.json,
 // the figures and report.html), and the summary that it prints.

@@ -57,13 +57,12 @@ absl::StatusOr<StudySummary> Conclude(const Study& study,
 // computed once: the conversion for the unit, records for a scenario, paths for
 // a solver.
 
-// How a run went. What is pointed to lives until the callback returns.
+// How a run went. The experiment lives until the callback returns.
 struct Outcome {
   std::int64_t run = 0;
   Coordinates at;
-  absl::Status status;
-  Experiment* experiment = nullptr;        // null where there were no records
-  const Evaluation* evaluation = nullptr;  // null unless `status` is good
+  absl::StatusOr<Evaluation> evaluation;
+  Experiment* experiment = nullptr;  // null where there were no records
   // Processor time; work that runs share counts for the first that needs it.
   double seconds = 0.0;
 };

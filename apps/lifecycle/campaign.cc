@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "apps/common/sha256.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/base/version.h"
 #include "nlohmann/json.hpp"
@@ -34,10 +35,9 @@ absl::StatusOr<Scenario> MakeScenario(const Campaign& campaign, double rate,
 
 // An error in what the run would have shown as its place.
 absl::Status At(const LifeKey& key, const absl::Status& status) {
-  return absl::Status(
-      status.code(),
-      absl::StrCat("policy ", key.policy, ", ageing rate ", key.ageing_rate,
-                   ", seed ", key.seed, ": ", status.message()));
+  return WithPrefix(status,
+                    absl::StrCat("policy ", key.policy, ", ageing rate ",
+                                 key.ageing_rate, ", seed ", key.seed, ": "));
 }
 
 // Lives by number: rate by rate, seed by seed, policy by policy.

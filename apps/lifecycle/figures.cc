@@ -29,9 +29,8 @@ Style StyleOfPolicy(const Policy& policy, int member) {
   static const std::map<std::string, Role>* const kColours =
       new std::map<std::string, Role>{
           {"never", Role::kInitial},          {"perfect", Role::kTrue},
-          {"output_error", Role::kCorrected}, {"combined", Role::kFitted},
-          {"arx", Role::kAlternative},        {"test", Role::kUnregularised},
-          {"on_demand", Role::kMeasured}};
+          {"output_error", Role::kCorrected}, {"arx", Role::kAlternative},
+          {"test", Role::kUnregularised},     {"on_demand", Role::kMeasured}};
   constexpr LineStyle kLines[] = {LineStyle::kSolid, LineStyle::kDashed,
                                   LineStyle::kDotted, LineStyle::kDashDotted};
   Style style;
@@ -130,21 +129,6 @@ void AddPolicy(const PolicySummary& policy, double place, double edge,
   panel.markers.push_back(std::move(marker));
 }
 
-// Costs of the perfect policy, by change; empty where it is not run.
-std::vector<double> PerfectCosts(const Campaign& campaign,
-                                 const std::vector<Life>& lives,
-                                 const Valuation& valuation) {
-  std::vector<double> perfect;
-  for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
-    if (campaign.policies[p].kind != Policy::Kind::kPerfect) continue;
-    for (const ChangeRow& row : lives[p].rows) {
-      perfect.push_back(
-          CostOf(row, valuation.prices, valuation.hours_per_unit).total());
-    }
-  }
-  return perfect;
-}
-
 NamedFigure TimeFigure(const Campaign& campaign,
                        const std::vector<std::vector<Life>>& lives, double rate,
                        const Valuation& valuation) {
@@ -168,8 +152,16 @@ NamedFigure TimeFigure(const Campaign& campaign,
   cost.y = {.label = "cost so far"};
   distance_panel.x = {.label = "years"};
   distance_panel.y = {.label = "squared distance E", .log = true};
-  const std::vector<double> perfect =
-      PerfectCosts(campaign, lives.front(), valuation);
+  const auto cost_of = [&valuation](const ChangeRow& row) {
+    return CostOf(row, valuation.prices, valuation.hours_per_unit).total();
+  };
+  const std::size_t floor = PlaceOf(Policy::Kind::kPerfect, campaign.policies);
+  std::vector<double> perfect;  // by change; empty where it is not run
+  if (floor < campaign.policies.size()) {
+    for (const ChangeRow& row : lives.front()[floor].rows) {
+      perfect.push_back(cost_of(row));
+    }
+  }
   if (!perfect.empty()) {
     cost.y.label = "cost so far above the floor";
     cost.lines.push_back(report::HorizontalLine(Role::kTrue, kFloorLabel, 0.0));
@@ -178,8 +170,7 @@ NamedFigure TimeFigure(const Campaign& campaign,
   UpperEdge upper;
   double lower = 0.0;
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
-    const bool is_perfect = campaign.policies[p].kind == Policy::Kind::kPerfect;
-    if (is_perfect) continue;
+    if (p == floor) continue;
     Series spent;
     spent.label = ShortName(campaign.policies[p]);
     spent.style = StyleAt(campaign.policies, p);
@@ -189,9 +180,7 @@ NamedFigure TimeFigure(const Campaign& campaign,
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const double years =
           rows[k].event.time * valuation.hours_per_unit / 24.0 / kDaysPerYear;
-      total +=
-          CostOf(rows[k], valuation.prices, valuation.hours_per_unit).total() -
-          (k < perfect.size() ? perfect[k] : 0.0);
+      total += cost_of(rows[k]) - (k < perfect.size() ? perfect[k] : 0.0);
       spent.x.push_back(years);
       spent.y.push_back(total);
       if (!campaign.policies[p].tests()) lower = std::min(lower, total);

@@ -33,23 +33,15 @@ std::string WithSmallLetter(std::string text) {
   return text;
 }
 
-// The badge of each answer.
-report::Verdict BadgeOf(Answer answer) {
-  switch (answer) {
-    case Answer::kUpdate:
-      return {Badge::kChanged, "update"};
-    case Answer::kKeep:
-      return {Badge::kGood, "leave it"};
-    case Answer::kCannotTell:
-      return {Badge::kUnknown, "cannot tell"};
-    case Answer::kNoNever:
-    case Answer::kNoUpdates:
-      return {Badge::kUnknown, "no answer"};
-    case Answer::kDiverged:
-      break;
-  }
-  return {Badge::kUnknown, "diverged"};
-}
+// The badge of each answer, in their order.
+struct AnswerBadge {
+  Badge badge;
+  const char* label;
+};
+constexpr AnswerBadge kBadges[] = {
+    {Badge::kChanged, "update"},      {Badge::kGood, "leave it"},
+    {Badge::kUnknown, "cannot tell"}, {Badge::kUnknown, "no answer"},
+    {Badge::kUnknown, "no answer"},   {Badge::kUnknown, "diverged"}};
 
 std::string HeadlineAt(const RateSummary& rate, Answer answer,
                        std::size_t lives) {
@@ -233,8 +225,8 @@ report::Verdict VerdictOf(const Campaign& campaign,
   const RateSummary& rate = NominalRate(summaries);
   const Answer answer = AnswerAt(rate);
   const std::size_t lives = campaign.seeds.size();
-  report::Verdict verdict = BadgeOf(answer);
-  verdict.headline = HeadlineAt(rate, answer, lives);
+  const auto& [badge, label] = kBadges[static_cast<int>(answer)];
+  report::Verdict verdict = {badge, label, HeadlineAt(rate, answer, lives), {}};
   const std::string& currency = valuation.currency;
   if (answer == Answer::kNoUpdates) {
     verdict.sentences = {PossibleSaving(rate, currency)};

@@ -5,6 +5,7 @@
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/life.h"
+#include "mle/base/option_error.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -237,11 +238,10 @@ absl::Status Operation::Simulate(Stretch& stretch,
       },
       profile, loop);
   if (!record.ok()) {
-    return absl::Status(
-        record.status().code(),
+    return WithPrefix(
+        record.status(),
         absl::StrCat("in the stretch that begins at ", stretch.start, " ",
-                     scenario_->plant.time_unit(), ": ",
-                     record.status().message()));
+                     scenario_->plant.time_unit(), ": "));
   }
   stretch.record = *std::move(record);
   stretch.record.start_time = stretch.start;

@@ -16,13 +16,11 @@ constexpr NumberRange kSeeds = Between(1, 10000);
 constexpr NumberRange kThousand = Between(1, 1000);
 
 TextValue PoliciesOf(Campaign& campaign) {
-  return {
-      .text =
-          "never,output_error:1,combined:1,arx:1,test:12,on_demand:0.7,perfect",
-      .read = [&campaign](const std::string& text, const NumberRange&) {
-        MLE_ASSIGN_OR_RETURN(campaign.policies, ParsePolicies(text));
-        return absl::OkStatus();
-      }};
+  return {.text = "never,output_error:1,arx:1,test:12,on_demand:0.7,perfect",
+          .read = [&campaign](const std::string& text, const NumberRange&) {
+            MLE_ASSIGN_OR_RETURN(campaign.policies, ParsePolicies(text));
+            return absl::OkStatus();
+          }};
 }
 
 TextValue CurrencyOf(Request& request) {
@@ -30,6 +28,16 @@ TextValue CurrencyOf(Request& request) {
     request.currency = text;
     return CheckCurrency(text);
   }};
+}
+
+// A length of time; blank, the default, leaves the field as it is.
+TextValue HoursOrNever(double* hours) {
+  TextValue value = Hours(hours, "");
+  value.read = [read = value.read](const std::string& given,
+                                   const NumberRange& range) {
+    return given.empty() ? absl::OkStatus() : read(given, range);
+  };
+  return value;
 }
 
 std::vector<Option> PlantOptions(Request& request) {
@@ -66,7 +74,7 @@ std::vector<Option> LifeOptionsOf(Request& request) {
        "output.",
        "", kPositive},
       {"policies", PoliciesOf(campaign),
-       "Policies to compare: never; output_error:N, combined:N, arx:N "
+       "Policies to compare: never; output_error:N, arx:N "
        "(corrected after every N-th set-point change); test:M (a step test "
        "every M months); on_demand:T (a step test when the performance index "
        "of a "
@@ -237,15 +245,6 @@ TextValue Hours(double* hours, std::string text) {
             MLE_ASSIGN_OR_RETURN(*hours, ParseHours(given));
             return absl::OkStatus();
           }};
-}
-
-TextValue HoursOrNever(double* hours) {
-  TextValue value = Hours(hours, "");
-  value.read = [read = value.read](const std::string& given,
-                                   const NumberRange& range) {
-    return given.empty() ? absl::OkStatus() : read(given, range);
-  };
-  return value;
 }
 
 }  // namespace mle::lifecycle

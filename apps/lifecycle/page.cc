@@ -108,8 +108,6 @@ void AddCourse(const std::vector<RateSummary>& summaries,
   page.CloseFold();
 }
 
-}  // namespace
-
 std::string FormatPage(const Campaign& campaign,
                        const std::vector<RateSummary>& summaries,
                        const Valuation& valuation, const Figures& figures,
@@ -128,36 +126,6 @@ std::string FormatPage(const Campaign& campaign,
                     run_again);
   return page.Render();
 }
-
-Results Evaluate(const Request& request, Lives lives) {
-  Results results;
-  results.valuation = {request.prices, request.hours_per_unit, request.years,
-                       request.currency};
-  results.summaries = Summarise(request.campaign, lives, results.valuation);
-  results.lives = std::move(lives);
-  return results;
-}
-
-absl::Status WriteResults(const Request& request, const Results& results,
-                          const Asked& asked) {
-  const Campaign& campaign = request.campaign;
-  const auto& [lives, summaries, valuation] = results;
-  std::vector<report::NamedFigure> figures;
-  if (request.figures) {
-    figures = MakeFigures(campaign, lives, summaries, valuation);
-  }
-  return report::WriteReport(
-      campaign.folder, std::move(figures), campaign.threads,
-      {{"result.json", FormatResult(campaign, summaries, valuation, asked.call,
-                                    asked.options)},
-       {"lifecycle.csv", FormatRows(campaign, lives, valuation)}},
-      [&](const Figures& drawn) {
-        return FormatPage(campaign, results.summaries, results.valuation, drawn,
-                          asked.run_again);
-      });
-}
-
-namespace {
 
 using Json = nlohmann::ordered_json;
 
@@ -235,8 +203,6 @@ void AppendRow(const ChangeRow& row, const Campaign& campaign,
   absl::StrAppend(&csv, ",", QuoteCsvField(row.reason), "\n");
 }
 
-}  // namespace
-
 std::string FormatResult(
     const Campaign& campaign, const std::vector<RateSummary>& summaries,
     const Valuation& valuation, const std::string& command,
@@ -289,6 +255,36 @@ std::string FormatRows(const Campaign& campaign, const Lives& lives,
     }
   }
   return csv;
+}
+
+}  // namespace
+
+Results Evaluate(const Request& request, Lives lives) {
+  Results results;
+  results.valuation = {request.prices, request.hours_per_unit, request.years,
+                       request.currency};
+  results.summaries = Summarise(request.campaign, lives, results.valuation);
+  results.lives = std::move(lives);
+  return results;
+}
+
+absl::Status WriteResults(const Request& request, const Results& results,
+                          const Asked& asked) {
+  const Campaign& campaign = request.campaign;
+  const auto& [lives, summaries, valuation] = results;
+  std::vector<report::NamedFigure> figures;
+  if (request.figures) {
+    figures = MakeFigures(campaign, lives, summaries, valuation);
+  }
+  return report::WriteReport(
+      campaign.folder, std::move(figures), campaign.threads,
+      {{"result.json", FormatResult(campaign, summaries, valuation, asked.call,
+                                    asked.options)},
+       {"lifecycle.csv", FormatRows(campaign, lives, valuation)}},
+      [&](const Figures& drawn) {
+        return FormatPage(campaign, results.summaries, results.valuation, drawn,
+                          asked.run_again);
+      });
 }
 
 }  // namespace mle::lifecycle

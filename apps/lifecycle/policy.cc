@@ -50,8 +50,7 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
 
 absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
   const std::string kind = part.substr(0, part.find(':'));
-  for (const auto estimator :
-       {Estimator::kOutputError, Estimator::kArx}) {
+  for (const auto estimator : {Estimator::kOutputError, Estimator::kArx}) {
     if (kind == NameOf(estimator)) {
       return ParseCorrection(part, estimator);
     }
@@ -81,12 +80,10 @@ absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
                      "between 0 and 1 is needed: on_demand:0.7");
   }
   return WrongPart(
-      part,
-      absl::StrCat(
-          DidYouMean(kind, {"never", "perfect", "output_error", "combined",
-                            "arx", "test", "on_demand"}),
-          "choose from never, perfect, output_error:N, combined:N, arx:N, "
-          "test:MONTHS and on_demand:THRESHOLD"));
+      part, absl::StrCat(DidYouMean(kind, {"never", "perfect", "output_error",
+                                           "arx", "test", "on_demand"}),
+                         "choose from never, perfect, output_error:N, arx:N, "
+                         "test:MONTHS and on_demand:THRESHOLD"));
 }
 
 }  // namespace
@@ -105,6 +102,13 @@ absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text) {
     return absl::InvalidArgumentError("names no policy");
   }
   return policies;
+}
+
+std::size_t PlaceOf(Policy::Kind kind, const std::vector<Policy>& policies) {
+  const auto found =
+      std::find_if(policies.begin(), policies.end(),
+                   [&](const Policy& policy) { return policy.kind == kind; });
+  return static_cast<std::size_t>(found - policies.begin());
 }
 
 namespace {

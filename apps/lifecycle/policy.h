@@ -3,7 +3,7 @@
 //   never          the model of the commissioning for ever
 //   perfect        the plant's own model at every change, a bound for this
 //                  controller
-//   output_error:N, combined:N, arx:N
+//   output_error:N, arx:N
 //                  corrected from routine records after every N-th set-point
 //                  change (1 if not given) by that estimator
 //   test:M         a step test every M months (a twelfth of a year)
@@ -39,6 +39,9 @@ struct Policy {
 // A comma-separated list. InvalidArgument names the part that is wrong or
 // is duplicated, and what is known.
 absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text);
+
+// The place of the first one of a kind, or the number of policies.
+std::size_t PlaceOf(Policy::Kind kind, const std::vector<Policy>& policies);
 
 // Policies in the words of those who run a plant.
 

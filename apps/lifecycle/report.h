@@ -5,7 +5,6 @@
 #define APPS_LIFECYCLE_REPORT_H_
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -22,10 +21,9 @@ namespace mle::lifecycle {
 // Amounts of money as they are shown: whole numbers from 100 on, three digits
 // below.
 
-// "8,610 ± 1,107"; the mean alone without an interval.
-std::string Money(const MeanOfSeeds& amount);
-// The same with the currency behind it, if it has a name: "8,610 ± 1,107 EUR".
-std::string Money(const MeanOfSeeds& amount, const std::string& currency);
+// "8,610 ± 1,107 EUR"; the mean alone without an interval, no currency where it
+// has no name.
+std::string Money(const MeanOfSeeds& amount, const std::string& currency = "");
 
 // ", EUR" for captions and axes; empty without a name.
 std::string InCurrency(const std::string& currency);
@@ -91,27 +89,6 @@ const RateSummary& NominalRate(const std::vector<RateSummary>& summaries);
 report::Verdict VerdictOf(const Campaign& campaign,
                           const std::vector<RateSummary>& summaries,
                           const Valuation& valuation);
-
-// The files beside the report: result.json and lifecycle.csv
-// (docs/lifecycle.md).
-
-// `flags`: names and values, as they were given.
-std::string FormatResult(
-    const Campaign& campaign, const std::vector<RateSummary>& summaries,
-    const Valuation& valuation, const std::string& command,
-    const std::vector<std::pair<std::string, std::string>>& flags);
-
-// A line for each set-point change of each life.
-std::string FormatRows(const Campaign& campaign, const Lives& lives,
-                       const Valuation& valuation);
-
-// The report of mle_lifecycle.
-
-std::string FormatPage(const Campaign& campaign,
-                       const std::vector<RateSummary>& summaries,
-                       const Valuation& valuation,
-                       const std::vector<report::DrawnFigure>& figures,
-                       const report::RunAgain& run_again);
 
 // The files that a life cycle leaves in its folder: result.json, lifecycle.csv,
 // the figures and report.html.

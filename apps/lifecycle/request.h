@@ -74,9 +74,6 @@ absl::StatusOr<double> ParseHours(const std::string& text);
 
 // An option that is a length of time, put into `hours`.
 TextValue Hours(double* hours, std::string text);
-// The same; blank, the default, leaves the field as it is.
-TextValue HoursOrNever(double* hours);
-
 }  // namespace mle::lifecycle
 
 #endif  // APPS_LIFECYCLE_REQUEST_H_

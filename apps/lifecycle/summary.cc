@@ -77,14 +77,6 @@ PolicySummary SummarisePolicy(const Policy& policy,
   return summary;
 }
 
-// The place of a kind of policy, or the number of policies.
-std::size_t PlaceOfLife(const std::vector<Policy>& policies,
-                        Policy::Kind kind) {
-  std::size_t place = 0;
-  while (place < policies.size() && policies[place].kind != kind) ++place;
-  return place;
-}
-
 // Cost of policy a less that of b, seed by seed; NaN where one is not run.
 MeanOfSeeds Difference(const std::vector<std::vector<Life>>& lives,
                        std::size_t a, std::size_t b,
@@ -101,10 +93,9 @@ MeanOfSeeds Difference(const std::vector<std::vector<Life>>& lives,
 void AddDifferences(const Campaign& campaign,
                     const std::vector<std::vector<Life>>& lives,
                     const Valuation& valuation, RateSummary& rate) {
-  const std::size_t never =
-      PlaceOfLife(campaign.policies, Policy::Kind::kNever);
+  const std::size_t never = PlaceOf(Policy::Kind::kNever, campaign.policies);
   const std::size_t perfect =
-      PlaceOfLife(campaign.policies, Policy::Kind::kPerfect);
+      PlaceOf(Policy::Kind::kPerfect, campaign.policies);
   const double possible = Difference(lives, never, perfect, valuation).mean;
   const PolicySummary* best = rate.Cheapest();
   const std::size_t cheapest =

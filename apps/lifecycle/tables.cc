@@ -201,14 +201,12 @@ Table SavingTable(const std::vector<RateSummary>& summaries,
   return table;
 }
 
-std::string Money(const MeanOfSeeds& amount) {
-  const std::string mean = report::FormatMoney(amount.mean);
-  if (!std::isfinite(amount.half_width)) return mean;
-  return absl::StrCat(mean, " ± ", report::FormatMoney(amount.half_width));
-}
-
 std::string Money(const MeanOfSeeds& amount, const std::string& currency) {
-  return absl::StrCat(Money(amount), currency.empty() ? "" : " ", currency);
+  std::string text = report::FormatMoney(amount.mean);
+  if (std::isfinite(amount.half_width)) {
+    absl::StrAppend(&text, " ± ", report::FormatMoney(amount.half_width));
+  }
+  return absl::StrCat(text, currency.empty() ? "" : " ", currency);
 }
 
 std::string InCurrency(const std::string& currency) {

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <tuple>
+#include <vector>
 
 #include "absl/time/civil_time.h"
 #include "absl/time/time.h"
@@ -227,29 +229,23 @@ enum class Unit { kSecond, kDay, kMonth, kYear };
 struct Step {
   Unit unit = Unit::kSecond;
   int count = 1;
-  double seconds = 1.0;  // about
 };
-
 // The smallest step of which at most `wanted` fit.
 Step StepFor(double seconds, int wanted) {
-  const auto fits = [&](double step) { return step * wanted >= seconds; };
-  for (const int count : {1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800,
-                          3600, 7200, 10800, 21600, 43200}) {
-    if (fits(count)) return {Unit::kSecond, count, 1.0 * count};
+  const std::tuple<Unit, double, std::vector<int>> units[] = {
+      {Unit::kSecond,
+       1.0,
+       {1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800,
+        21600, 43200}},
+      {Unit::kDay, kDaySeconds, {1, 2, 7, 14}},
+      {Unit::kMonth, kMonthSeconds, {1, 3, 6}},
+      {Unit::kYear, kYearSeconds, {1, 2, 5, 10, 20, 50, 100, 200, 500}}};
+  for (const auto& [unit, length, counts] : units) {
+    for (const int count : counts) {
+      if (length * count * wanted >= seconds) return {unit, count};
+    }
   }
-  for (const int count : {1, 2, 7, 14}) {
-    if (fits(kDaySeconds * count))
-      return {Unit::kDay, count, kDaySeconds * count};
-  }
-  for (const int count : {1, 3, 6}) {
-    if (fits(kMonthSeconds * count))
-      return {Unit::kMonth, count, kMonthSeconds * count};
-  }
-  for (const int count : {1, 2, 5, 10, 20, 50, 100, 200, 500}) {
-    if (fits(kYearSeconds * count))
-      return {Unit::kYear, count, kYearSeconds * count};
-  }
-  return {Unit::kYear, 1000, 1000.0 * kYearSeconds};
+  return {Unit::kYear, 1000};
 }
 
 absl::Time At(double value, const DateScale& dates) {

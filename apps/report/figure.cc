@@ -144,97 +144,65 @@ std::vector<int> Stretches(const std::vector<double>& x, bool log, int count) {
 
 namespace {
 
-struct Palette {
-  Role role;
+// The look of each role, in the order of Role; the colour of a style is its
+// role's.
+struct Look {
   const char* name;
   const char* colour;
   const char* dark;
+  Style style = {};
+};
+constexpr Look kLooks[] = {
+    {"initial", "#000000", "#e4e8ec", {.line = LineStyle::kDashed}},
+    {"true", "#e69f00", "#e69f00", {.width_pt = 3.0}},           // orange
+    {"corrected", "#0072b2", "#4ba6e0", {.width_pt = 1.25}},     // blue
+    {"unregularised", "#d55e00", "#f2803a", {.width_pt = 0.5}},  // vermilion
+    {"fitted",
+     "#cc79a7",
+     "#dc9cc0",
+     {.line = LineStyle::kDashDotted}},  // purple
+    {"alternative",
+     "#009e73",
+     "#2fc79b",
+     {.line = LineStyle::kDashed}},                          // green
+    {"measured", "#56b4e9", "#8a97a3", {.width_pt = 0.75}},  // sky blue
+    {"set-point", "#000000", "#e4e8ec", {.line = LineStyle::kDotted}},
+    {"reference", "#666666", "#a4afba", {.line = LineStyle::kDotted}},
+    {"chosen",
+     "#d55e00",
+     "#f2803a",
+     {.width_pt = 1.5, .marker = MarkerShape::kCross, .marker_size_pt = 6.0}},
+    {"best",
+     "#009e73",
+     "#2fc79b",
+     {.width_pt = 1.25, .marker = MarkerShape::kCircle, .marker_size_pt = 6.0}},
+    {"bad",
+     "#d55e00",
+     "#f2803a",
+     {.line = LineStyle::kNone,
+      .marker = MarkerShape::kCross,
+      .marker_size_pt = 4.0}},
+    {"window", "#e69f00", "#e69f00"},
 };
 
-constexpr Palette kPalette[] = {
-    {Role::kInitial, "initial", "#000000", "#e4e8ec"},
-    {Role::kTrue, "true", "#e69f00", "#e69f00"},                    // orange
-    {Role::kCorrected, "corrected", "#0072b2", "#4ba6e0"},          // blue
-    {Role::kUnregularised, "unregularised", "#d55e00", "#f2803a"},  // vermilion
-    {Role::kFitted, "fitted", "#cc79a7", "#dc9cc0"},  // reddish purple
-    {Role::kAlternative, "alternative", "#009e73", "#2fc79b"},  // green
-    {Role::kMeasured, "measured", "#56b4e9", "#8a97a3"},  // sky blue, or grey
-    {Role::kSetPoint, "set-point", "#000000", "#e4e8ec"},
-    {Role::kReference, "reference", "#666666", "#a4afba"},
-    {Role::kChosen, "chosen", "#d55e00", "#f2803a"},
-    {Role::kBest, "best", "#009e73", "#2fc79b"},
-    {Role::kBad, "bad", "#d55e00", "#f2803a"},
-    {Role::kWindow, "window", "#e69f00", "#e69f00"},
-};
-
-const Palette& PaletteOf(Role role) {
-  for (const Palette& entry : kPalette) {
-    if (entry.role == role) return entry;
-  }
-  return kPalette[0];
-}
-
+const Look& LookOf(Role role) { return kLooks[static_cast<int>(role)]; }
 }  // namespace
-
-std::string ColourOf(Role role) { return PaletteOf(role).colour; }
-std::string DarkColourOf(Role role) { return PaletteOf(role).dark; }
-std::string NameOf(Role role) { return PaletteOf(role).name; }
-
+std::string ColourOf(Role role) { return LookOf(role).colour; }
+std::string DarkColourOf(Role role) { return LookOf(role).dark; }
+std::string NameOf(Role role) { return LookOf(role).name; }
 const std::vector<Role>& AllRoles() {
   static const std::vector<Role>* const kRoles = [] {
     auto* all = new std::vector<Role>;
-    for (const Palette& entry : kPalette) all->push_back(entry.role);
+    for (std::size_t i = 0; i < std::size(kLooks); ++i) {
+      all->push_back(static_cast<Role>(i));
+    }
     return all;
   }();
   return *kRoles;
 }
-
 Style StyleOf(Role role) {
-  Style style{.colour = role};
-  switch (role) {
-    case Role::kInitial:
-      style.line = LineStyle::kDashed;
-      break;
-    case Role::kTrue:
-      style.width_pt = 3.0;
-      break;
-    case Role::kCorrected:
-      style.width_pt = 1.25;
-      break;
-    case Role::kUnregularised:
-      style.width_pt = 0.5;
-      break;
-    case Role::kFitted:
-      style.line = LineStyle::kDashDotted;
-      break;
-    case Role::kAlternative:
-      style.line = LineStyle::kDashed;
-      break;
-    case Role::kMeasured:
-      style.width_pt = 0.75;
-      break;
-    case Role::kSetPoint:
-    case Role::kReference:
-      style.line = LineStyle::kDotted;
-      break;
-    case Role::kChosen:
-      style.marker = MarkerShape::kCross;
-      style.width_pt = 1.5;
-      style.marker_size_pt = 6.0;
-      break;
-    case Role::kBest:
-      style.marker = MarkerShape::kCircle;
-      style.width_pt = 1.25;
-      style.marker_size_pt = 6.0;
-      break;
-    case Role::kBad:
-      style.line = LineStyle::kNone;
-      style.marker = MarkerShape::kCross;
-      style.marker_size_pt = 4.0;
-      break;
-    case Role::kWindow:
-      break;
-  }
+  Style style = LookOf(role).style;
+  style.colour = role;
   return style;
 }
 

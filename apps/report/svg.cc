@@ -97,13 +97,11 @@ class PanelWriter {
     SvgPath lines;
     for (const Tick& tick : placed_.x_ticks) {
       if (tick.label.empty()) continue;
-      lines.MoveTo(X(tick.value), 0.0);
-      lines.LineTo(X(tick.value), height_);
+      lines.AddLine(X(tick.value), 0.0, X(tick.value), height_);
     }
     for (const Tick& tick : placed_.y_ticks) {
       if (tick.label.empty()) continue;
-      lines.MoveTo(0.0, Y(tick.value));
-      lines.LineTo(width_, Y(tick.value));
+      lines.AddLine(0.0, Y(tick.value), width_, Y(tick.value));
     }
     return Stroked(lines, 0.5, " " + Paint(kGrid));
   }
@@ -113,15 +111,15 @@ class PanelWriter {
     lines.MoveTo(0.0, 0.0);
     lines.LineTo(0.0, height_);
     lines.LineTo(width_, height_);
+    const auto length = [](const Tick& tick) {
+      return tick.label.empty() ? kMinorTick : kMajorTick;
+    };
     for (const Tick& tick : placed_.x_ticks) {
-      lines.MoveTo(X(tick.value), height_);
-      lines.LineTo(X(tick.value),
-                   height_ + (tick.label.empty() ? kMinorTick : kMajorTick));
+      lines.AddLine(X(tick.value), height_, X(tick.value),
+                    height_ + length(tick));
     }
     for (const Tick& tick : placed_.y_ticks) {
-      lines.MoveTo(0.0, Y(tick.value));
-      lines.LineTo(-(tick.label.empty() ? kMinorTick : kMajorTick),
-                   Y(tick.value));
+      lines.AddLine(0.0, Y(tick.value), -length(tick), Y(tick.value));
     }
     return Stroked(lines, 0.6, " " + Paint(kAxis));
   }
@@ -159,11 +157,9 @@ class PanelWriter {
     if (line.value < range.min || line.value > range.max) return "";
     SvgPath path;
     if (horizontal) {
-      path.MoveTo(0.0, Y(line.value));
-      path.LineTo(width_, Y(line.value));
+      path.AddLine(0.0, Y(line.value), width_, Y(line.value));
     } else {
-      path.MoveTo(X(line.value), 0.0);
-      path.LineTo(X(line.value), height_);
+      path.AddLine(X(line.value), 0.0, X(line.value), height_);
     }
     return absl::StrCat("<g ", Paint(line.style.colour, "across "), ">\n",
                         Title(line.label), Line(path, line.style), "</g>\n");
@@ -315,8 +311,7 @@ std::string LegendOf(const LegendSample& sample, const Figure& figure,
   }
   if (sample.style.line != LineStyle::kNone) {
     SvgPath path;
-    path.MoveTo(sample.x_begin, y);
-    path.LineTo(sample.x_end, y);
+    path.AddLine(sample.x_begin, y, sample.x_end, y);
     out += Line(path, sample.style);
   }
   if (sample.style.marker != MarkerShape::kNone) {

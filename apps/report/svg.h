@@ -69,6 +69,11 @@ class SvgPath {
  public:
   void MoveTo(double x, double y);
   void LineTo(double x, double y);
+  // A line by itself.
+  void AddLine(double from_x, double from_y, double to_x, double to_y) {
+    MoveTo(from_x, from_y);
+    LineTo(to_x, to_y);
+  }
   void Close() { d_ += 'Z'; }
   // A shape of diameter `size` about (x, y), which alone stands behind a
   // capital letter; the rest of the shape is relative to it.

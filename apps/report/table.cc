@@ -33,15 +33,8 @@ void AddLine(std::string line, std::string& out) {
 }
 
 std::string_view ClassOf(Align align) {
-  switch (align) {
-    case Align::kLeft:
-      return "left";
-    case Align::kCenter:
-      return "center";
-    case Align::kRight:
-      return "right";
-  }
-  return "left";
+  constexpr std::string_view kClasses[] = {"left", "center", "right"};
+  return kClasses[static_cast<int>(align)];
 }
 
 // "2024-03-04", with a time of day or without; not followed by words.

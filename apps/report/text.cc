@@ -109,75 +109,23 @@ char32_t Decode(std::string_view text, std::size_t& at) {
   };
   const unsigned char lead = byte(at++);
   if (lead < 0x80) return lead;
-  int following = 0;
-  char32_t code = 0;
-  char32_t smallest = 0;
-  if (lead >= 0xC2 && lead <= 0xDF) {
-    following = 1;
-    code = lead & 0x1Fu;
-    smallest = 0x80;
-  } else if (lead >= 0xE0 && lead <= 0xEF) {
-    following = 2;
-    code = lead & 0x0Fu;
-    smallest = 0x800;
-  } else if (lead >= 0xF0 && lead <= 0xF4) {
-    following = 3;
-    code = lead & 0x07u;
-    smallest = 0x10000;
-  } else {
-    return kReplacement;
-  }
+  if (lead < 0xC2 || lead > 0xF4) return kReplacement;
+  const int following = lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3;
   if (at + following > text.size()) return kReplacement;
+  char32_t code = lead & (0x3Fu >> following);
   for (int i = 0; i < following; ++i) {
     const unsigned char next = byte(at + i);
     if ((next & 0xC0u) != 0x80u) return kReplacement;
     code = (code << 6) | (next & 0x3Fu);
   }
+  constexpr char32_t kSmallest[] = {0, 0x80, 0x800, 0x10000};
   const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
-  if (code < smallest || code > 0x10FFFF || surrogate) return kReplacement;
+  if (code < kSmallest[following] || code > 0x10FFFF || surrogate) {
+    return kReplacement;
+  }
   at += following;
   return code;
 }
-
-std::string Escape(std::string_view text, bool keep_lines) {
-  std::string out;
-  std::size_t at = 0;
-  while (at < text.size()) {
-    if (keep_lines && (text[at] == '\n' || text[at] == '\t')) {
-      out += text[at++];
-      continue;
-    }
-    std::size_t end = at;
-    while (end < text.size() &&
-           !(keep_lines && (text[end] == '\n' || text[end] == '\t'))) {
-      ++end;
-    }
-    for (const char c : CleanText(text.substr(at, end - at))) {
-      switch (c) {
-        case '&':
-          out += "&amp;";
-          break;
-        case '<':
-          out += "&lt;";
-          break;
-        case '>':
-          out += "&gt;";
-          break;
-        case '"':
-          out += "&quot;";
-          break;
-        case '\'':
-          out += "&#39;";
-          break;
-        default:
-          out += c;
-      }
-    }
-    at = end;
-  }
-  return out;
-}
-
 }  // namespace
 
 std::vector<char32_t> CodePoints(std::string_view text) {
@@ -196,22 +144,13 @@ std::vector<char32_t> CodePoints(std::string_view text) {
 }
 
 std::string Utf8(char32_t code) {
-  std::string out;
-  const auto add = [&out](char32_t byte) { out += static_cast<char>(byte); };
-  if (code < 0x80) {
-    add(code);
-  } else if (code < 0x800) {
-    add(0xC0u | (code >> 6));
-    add(0x80u | (code & 0x3Fu));
-  } else if (code < 0x10000) {
-    add(0xE0u | (code >> 12));
-    add(0x80u | ((code >> 6) & 0x3Fu));
-    add(0x80u | (code & 0x3Fu));
-  } else {
-    add(0xF0u | (code >> 18));
-    add(0x80u | ((code >> 12) & 0x3Fu));
-    add(0x80u | ((code >> 6) & 0x3Fu));
-    add(0x80u | (code & 0x3Fu));
+  if (code < 0x80) return std::string(1, static_cast<char>(code));
+  constexpr char32_t kLead[] = {0, 0xC0, 0xE0, 0xF0};
+  const int following = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+  std::string out(
+      1, static_cast<char>(kLead[following] | (code >> (6 * following))));
+  for (int i = following - 1; i >= 0; --i) {
+    out += static_cast<char>(0x80u | ((code >> (6 * i)) & 0x3Fu));
   }
   return out;
 }
@@ -222,7 +161,13 @@ std::string CleanText(std::string_view text) {
   return out;
 }
 
-std::string EscapeHtml(std::string_view text) { return Escape(text, false); }
+std::string EscapeHtml(std::string_view text) {
+  return absl::StrReplaceAll(CleanText(text), {{"&", "&amp;"},
+                                               {"<", "&lt;"},
+                                               {">", "&gt;"},
+                                               {"\"", "&quot;"},
+                                               {"'", "&#39;"}});
+}
 
 std::string WithSignsKept(std::string_view text) {
   constexpr const char* kNoBreak = "\u00A0";
@@ -261,7 +206,14 @@ std::string RelativeUrl(std::string_view path) {
 }
 
 std::string EscapeHtmlLines(std::string_view text) {
-  return Escape(text, true);
+  std::string out;
+  for (;;) {
+    const std::size_t end = text.find_first_of("\n\t");
+    out += EscapeHtml(text.substr(0, end));
+    if (end == std::string_view::npos) return out;
+    out += text[end];
+    text.remove_prefix(end + 1);
+  }
 }
 
 int DisplayWidth(std::string_view text) {
@@ -284,15 +236,7 @@ std::string QuoteCommandLine(const std::vector<std::string>& arguments) {
       line += argument;
       continue;
     }
-    line += '\'';
-    for (const char c : argument) {
-      if (c == '\'') {
-        line += "'\\''";
-      } else {
-        line += c;
-      }
-    }
-    line += '\'';
+    line += "'" + absl::StrReplaceAll(argument, {{"'", "'\\''"}}) + "'";
   }
   return line;
 }

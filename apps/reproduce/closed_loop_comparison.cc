@@ -24,6 +24,20 @@ using report::FormatSignificant;
 
 constexpr double kSettlingBand = 0.05;  // of the step
 
+// The measures of a change by their names in results.json.
+struct LoopMeasure {
+  const char* name;
+  double LoopPerformance::*value;
+  bool with_noise;  // whether it says something there
+};
+
+constexpr LoopMeasure kLoopMeasures[] = {
+    {"integrated_squared_error", &LoopPerformance::integrated_squared_error,
+     true},
+    {"input_movement", &LoopPerformance::input_movement, true},
+    {"overshoot", &LoopPerformance::overshoot, false},
+    {"settling_time", &LoopPerformance::settling_time, false}};
+
 LoopPerformance Measure(const Record& record, int output,
                         const ExperimentOptions& options) {
   const auto sample = [&](double time) {
@@ -107,11 +121,9 @@ std::vector<LoopPerformance> Mean(
     if (!run.status.ok()) return {};
     mean.resize(run.changes.size());
     for (std::size_t e = 0; e < mean.size(); ++e) {
-      const LoopPerformance& one = run.changes[e];
-      mean[e].integrated_squared_error += one.integrated_squared_error / count;
-      mean[e].input_movement += one.input_movement / count;
-      mean[e].overshoot += one.overshoot / count;
-      mean[e].settling_time += one.settling_time / count;
+      for (const LoopMeasure& measure : kLoopMeasures) {
+        mean[e].*measure.value += run.changes[e].*measure.value / count;
+      }
     }
   }
   return mean;
@@ -125,32 +137,16 @@ double TotalError(const std::vector<LoopPerformance>& changes) {
   return total;
 }
 
-// A number, or null where there is none.
-Json Number(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
+// Null where there are none; what is not finite is written as null too.
 Json ChangesToJson(const std::vector<LoopPerformance>& changes, bool noisy) {
-  if (changes.empty()) return Json();
-  Json error = Json::array(), movement = Json::array();
-  Json overshoot = Json::array(), settling = Json::array();
-  for (const LoopPerformance& change : changes) {
-    error.push_back(Number(change.integrated_squared_error));
-    movement.push_back(Number(change.input_movement));
-    overshoot.push_back(Number(change.overshoot));
-    settling.push_back(Number(change.settling_time));
-  }
-  Json json = {{"integrated_squared_error", std::move(error)},
-               {"input_movement", std::move(movement)}};
-  if (!noisy) {
-    json["overshoot"] = std::move(overshoot);
-    json["settling_time"] = std::move(settling);
+  Json json;
+  for (const LoopMeasure& measure : kLoopMeasures) {
+    if (changes.empty() || (noisy && !measure.with_noise)) continue;
+    for (const LoopPerformance& change : changes) {
+      json[measure.name].push_back(change.*measure.value);
+    }
   }
   return json;
-}
-
-std::vector<LoopPerformance> ChangesOf(const LoopRun& run) {
-  return run.status.ok() ? run.changes : std::vector<LoopPerformance>();
 }
 
 std::string FormatTime(double time) {
@@ -242,11 +238,10 @@ Json ClosedLoopJson(
       for (const ClosedLoopComparison* comparison : comparisons) {
         const LoopRun& run =
             noisy ? comparison->noisy[i] : comparison->noise_free[i];
-        Json one = ChangesToJson(ChangesOf(run), noisy);
-        if (!run.status.ok()) {
-          one = {{"error", std::string(run.status.message())}};
-        }
-        runs.push_back(std::move(one));
+        runs.push_back(
+            run.status.ok()
+                ? ChangesToJson(run.changes, noisy)
+                : Json{{"error", std::string(run.status.message())}});
       }
       json[name][kLoopModelNames[i]] = {{"mean", ChangesToJson(mean[i], noisy)},
                                         {"runs", std::move(runs)}};

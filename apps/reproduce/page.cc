@@ -15,6 +15,9 @@ namespace mle::reproduce {
 using report::FormatScientific;
 using report::FormatSignificant;
 
+namespace {
+
+// "E falls from … to …", for each case.
 std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
   std::vector<std::string> sentences;
   for (const CaseResult& result : cases) {
@@ -33,8 +36,6 @@ std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
   }
   return sentences;
 }
-
-namespace {
 
 using Figures = std::vector<report::DrawnFigure>;
 
@@ -57,8 +58,7 @@ void AddEstimators(const std::vector<CaseResult>& cases,
       "On the same records. arx: ΔR by the exact engine, unless a test finds "
       "that the initial model explains the records; ceres: the same by "
       "smoothed L1, first seed only; output_error: gains, time constants and "
-      "dead times; combined: output_error, and shapes that the structure lacks "
-      "where the records speak for them. The information bound is the E that "
+      "dead times. The information bound is the E that "
       "no unbiased estimate of the plant's parameters can beat on average; an "
       "estimate that knows which elements have aged can.");
   for (const CaseResult& result : cases) {

@@ -50,9 +50,6 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
                        const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again);
 
-// "E falls from … to …", for each case.
-std::vector<std::string> Findings(const std::vector<CaseResult>& cases);
-
 }  // namespace mle::reproduce
 
 #endif  // APPS_REPRODUCE_REPORT_H_

@@ -11,6 +11,7 @@
 #include "apps/experiment/run_folder.h"
 #include "apps/experiment/study.h"
 #include "apps/reproduce/request.h"
+#include "mle/base/option_error.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
@@ -100,7 +101,7 @@ CaseResult Describe(const Reproduction& reproduction, int number,
 MethodRun MakeMethodRun(std::string name, const Outcome& outcome) {
   MethodRun run;
   run.name = std::move(name);
-  run.status = outcome.status;
+  run.status = outcome.evaluation.status();
   if (!run.status.ok()) return run;
   const experiment::Evaluation& evaluation = *outcome.evaluation;
   run.E = evaluation.E();
@@ -110,6 +111,44 @@ MethodRun MakeMethodRun(std::string name, const Outcome& outcome) {
   run.p_value = evaluation.p_value.value_or(1.0);
   run.seconds = evaluation.seconds;
   return run;
+}
+
+// Fills in everything but the other rule and the estimators from what ΔR, the
+// paper's method, made of a run; `in_full` also what only the first seed has.
+absl::Status FillRun(const experiment::Experiment& experiment,
+                     const experiment::Evaluation& evaluation, bool in_full,
+                     RunResult& run) {
+  const Correction& correction = *evaluation.estimate->fit.arx;
+  const experiment::Hindsight& hindsight = *evaluation.hindsight;
+  const StepResponse& truth = experiment.truth();
+  run.selection = correction.selection();
+  run.lambda_star = evaluation.lambda(0);
+  run.max_relative_gap = evaluation.max_relative_gap;
+  run.lambda_oracle = hindsight.best_lambda;
+  run.E_oracle = hindsight.best_E;
+  run.judgement = evaluation.judgement;
+  run.E_star = evaluation.E();
+  const StepResponse unregularised =
+      correction.Model(0.0).ComputeStepResponse(truth.samples());
+  run.E_zero = experiment::DistanceOrInfinity(truth, unregularised);
+  MLE_ASSIGN_OR_RETURN(
+      run.closed_loop,
+      CompareClosedLoops(experiment.initial(), correction.Model(),
+                         experiment.plant(), experiment.seed(), in_full,
+                         experiment.options()));
+  if (!in_full) {
+    // The curves of all seeds would fill the memory.
+    run.selection.loss.resize(0);
+    run.selection.penalised_loss.resize(0);
+    return absl::OkStatus();
+  }
+  run.squared_distance =
+      experiment::DistanceCurve(correction, correction.fits().front().lambdas,
+                                truth)
+          .Whole();
+  run.corrected = evaluation.response;
+  run.unregularised = unregularised;
+  return absl::OkStatus();
 }
 
 // Puts an outcome where it belongs. The runs of a case and seed come one after
@@ -138,8 +177,8 @@ void Keep(const Reproduction& reproduction, const Methods& methods,
     return;
   }
   run.seed = reproduction.campaign.seeds[at.seed];
-  run.status = outcome.status;
-  if (outcome.status.ok()) {
+  run.status = outcome.evaluation.status();
+  if (run.status.ok()) {
     run.status = FillRun(*outcome.experiment, *outcome.evaluation,
                          /*in_full=*/at.seed == 0, run);
   }
@@ -151,9 +190,8 @@ absl::Status FirstFailure(const std::vector<CaseResult>& results) {
       absl::Status status = run.status;
       if (run.other_rule.has_value()) status.Update(run.other_rule->status);
       if (status.ok()) continue;
-      return absl::Status(
-          status.code(), absl::StrCat("case ", result.name, ", seed ", run.seed,
-                                      ": ", status.message()));
+      return WithPrefix(status, absl::StrCat("case ", result.name, ", seed ",
+                                             run.seed, ": "));
     }
   }
   return absl::OkStatus();
@@ -217,42 +255,6 @@ absl::StatusOr<std::vector<CaseResult>> RunReproduction(
     MLE_RETURN_IF_ERROR(SummariseCase(campaign.models.front().model, result));
   }
   return results;
-}
-
-absl::Status FillRun(const experiment::Experiment& experiment,
-                     const experiment::Evaluation& evaluation, bool in_full,
-                     RunResult& run) {
-  const Correction& correction = *evaluation.estimate->fit.arx;
-  const experiment::Hindsight& hindsight = *evaluation.hindsight;
-  const StepResponse& truth = experiment.truth();
-  run.selection = correction.selection();
-  run.lambda_star = evaluation.lambda(0);
-  run.max_relative_gap = evaluation.max_relative_gap;
-  run.lambda_oracle = hindsight.best_lambda;
-  run.E_oracle = hindsight.best_E;
-  run.judgement = evaluation.judgement;
-  run.E_star = evaluation.E();
-  const StepResponse unregularised =
-      correction.Model(0.0).ComputeStepResponse(truth.samples());
-  run.E_zero = experiment::DistanceOrInfinity(truth, unregularised);
-  MLE_ASSIGN_OR_RETURN(
-      run.closed_loop,
-      CompareClosedLoops(experiment.initial(), correction.Model(),
-                         experiment.plant(), experiment.seed(), in_full,
-                         experiment.options()));
-  if (!in_full) {
-    // The curves of all seeds would fill the memory.
-    run.selection.loss.resize(0);
-    run.selection.penalised_loss.resize(0);
-    return absl::OkStatus();
-  }
-  run.squared_distance =
-      experiment::DistanceCurve(correction, correction.fits().front().lambdas,
-                                truth)
-          .Whole();
-  run.corrected = evaluation.response;
-  run.unregularised = unregularised;
-  return absl::OkStatus();
 }
 
 }  // namespace mle::reproduce

@@ -69,8 +69,8 @@ std::vector<Option> MethodOptions(Request& request) {
       {"estimators", Words(&request.estimators),
        "Estimators to compare on the same records, of arx (ΔR, exact), ceres "
        "(ΔR by smoothed L1; first seed only), output_error (gains, time "
-       "constants, dead times), combined (output_error, and shapes that it "
-       "lacks) and none (the initial model), each as in mle_correct or with "
+       "constants, dead times) and none (the initial model), each as in "
+       "mle_correct or with "
        "another test of no change behind a colon, such as arx:adequacy: "
        "calibrated, chi_square, "
        "adequacy (arx and ceres only) or none; empty for no comparison."},
@@ -159,32 +159,6 @@ void AddOptions(Request& request, OptionTable& table) {
                   "noise_variance", "estimators", "ablations", "selection"});
 }
 
-absl::Status Complete(Request& request, OptionTable& table) {
-  Reproduction& reproduction = request.reproduction;
-  Campaign& campaign = reproduction.campaign;
-  MLE_ASSIGN_OR_RETURN(campaign.seeds, experiment::ConsecutiveSeeds(
-                                           request.first_seed, request.seeds));
-  reproduction.threads = UsableThreads(reproduction.threads);
-  MLE_RETURN_IF_ERROR(ReadCases(request));
-  const ProcessModel& initial = campaign.models.front().model;
-  MLE_RETURN_IF_ERROR(table.FitTo(initial));
-  MLE_RETURN_IF_ERROR(ReadAblations(request, campaign.ablations));
-  MLE_RETURN_IF_ERROR(ReadEstimators(request, reproduction.estimators));
-  if (campaign.solvers.front().name != "ceres") {
-    campaign.settings.conversion.solver = campaign.solvers.front().options;
-  }
-  absl::StatusOr<Eigen::VectorXd> grid =
-      MakeLambdaGrid(request.lambda_grid_max, request.lambda_grid_step);
-  if (!grid.ok()) {
-    return InvalidArgument("--lambda_grid_max, --lambda_grid_step: ",
-                           grid.status().message());
-  }
-  campaign.settings.correction.lambdas = *std::move(grid);
-  MLE_ASSIGN_OR_RETURN(const experiment::ExperimentOptions options,
-                       reproduction.Options());
-  return options.Validate(initial);
-}
-
 namespace {
 
 using experiment::Mismatch;
@@ -248,8 +222,8 @@ absl::StatusOr<std::vector<Mismatch>> BuiltInCases(const Request& request) {
   return cases;
 }
 
-}  // namespace
-
+// Fills in the campaign's model and mismatches: the user's own, or the paper's.
+// Errors name the option, and the file if there is one.
 absl::Status ReadCases(Request& request) {
   Reproduction& reproduction = request.reproduction;
   experiment::Campaign& campaign = reproduction.campaign;
@@ -288,6 +262,34 @@ absl::Status ReadCases(Request& request) {
     }
   }
   return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Complete(Request& request, OptionTable& table) {
+  Reproduction& reproduction = request.reproduction;
+  Campaign& campaign = reproduction.campaign;
+  MLE_ASSIGN_OR_RETURN(campaign.seeds, experiment::ConsecutiveSeeds(
+                                           request.first_seed, request.seeds));
+  reproduction.threads = UsableThreads(reproduction.threads);
+  MLE_RETURN_IF_ERROR(ReadCases(request));
+  const ProcessModel& initial = campaign.models.front().model;
+  MLE_RETURN_IF_ERROR(table.FitTo(initial));
+  MLE_RETURN_IF_ERROR(ReadAblations(request, campaign.ablations));
+  MLE_RETURN_IF_ERROR(ReadEstimators(request, reproduction.estimators));
+  if (campaign.solvers.front().name != "ceres") {
+    campaign.settings.conversion.solver = campaign.solvers.front().options;
+  }
+  absl::StatusOr<Eigen::VectorXd> grid =
+      MakeLambdaGrid(request.lambda_grid_max, request.lambda_grid_step);
+  if (!grid.ok()) {
+    return InvalidArgument("--lambda_grid_max, --lambda_grid_step: ",
+                           grid.status().message());
+  }
+  campaign.settings.correction.lambdas = *std::move(grid);
+  MLE_ASSIGN_OR_RETURN(const experiment::ExperimentOptions options,
+                       reproduction.Options());
+  return options.Validate(initial);
 }
 
 }  // namespace mle::reproduce

@@ -52,8 +52,7 @@ struct Request {
   std::uint64_t first_seed = 1;
   double lambda_grid_max = 1e-2;
   double lambda_grid_step = 1e-6;
-  std::vector<std::string> estimators = {"arx", "ceres", "output_error",
-                                         "combined"};
+  std::vector<std::string> estimators = {"arx", "ceres", "output_error"};
   std::vector<std::string> ablations;
   std::string folder = "results";
   bool figures = true;
@@ -68,12 +67,6 @@ void AddOptions(Request& request, OptionTable& table);
 // Reads the process models and checks everything that can be checked before
 // something is run; errors name the option or the file.
 absl::Status Complete(Request& request, OptionTable& table);
-
-// The initial model and the plants of a reproduction.
-
-// Fills in the campaign's model and mismatches: the user's own, or the paper's.
-// Errors name the option, and the file if there is one.
-absl::Status ReadCases(Request& request);
 
 }  // namespace mle::reproduce
 

@@ -47,10 +47,6 @@ absl::StatusOr<double> FirstOrderDelay(const TransferFunction& element,
   return fit.delay;
 }
 
-double RootMeanSquare(double sum_of_squares, std::size_t count) {
-  return std::sqrt(sum_of_squares / static_cast<double>(count));
-}
-
 std::string NumberedPair(const ProcessModel& plant, int output, int input) {
   return absl::StrCat("(", output + 1, ",", input + 1, ") ",
                       PairName(plant, output, input));
@@ -78,19 +74,17 @@ std::vector<const ClosedLoopComparison*> CaseResult::ClosedLoops() const {
 
 absl::Status SummariseCase(const ProcessModel& initial_model,
                            CaseResult& result) {
-  std::vector<double> star, zero, oracle, lambda;
-  for (const RunResult& run : result.runs) {
-    star.push_back(run.E_star);
-    zero.push_back(run.E_zero);
-    oracle.push_back(run.E_oracle);
-    lambda.push_back(run.lambda_star);
-    result.max_relative_gap =
-        std::max(result.max_relative_gap, run.max_relative_gap);
-  }
-  result.E_star = experiment::Describe(star, 0);
-  result.E_zero = experiment::Describe(zero, 0);
-  result.E_oracle = experiment::Describe(oracle, 0);
-  result.lambda_star = experiment::Describe(lambda, 0);
+  const auto over_runs = [&result](double RunResult::*value) {
+    std::vector<double> values;
+    for (const RunResult& run : result.runs) values.push_back(run.*value);
+    return experiment::Describe(values, 0);
+  };
+  result.E_star = over_runs(&RunResult::E_star);
+  result.E_zero = over_runs(&RunResult::E_zero);
+  result.E_oracle = over_runs(&RunResult::E_oracle);
+  result.lambda_star = over_runs(&RunResult::lambda_star);
+  result.max_relative_gap =
+      std::max(0.0, over_runs(&RunResult::max_relative_gap).max);
 
   const ProcessModel& plant = result.plant;
   for (const auto& [i, j] : Pairs(plant)) {
@@ -103,18 +97,19 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
     MLE_ASSIGN_OR_RETURN(
         errors.initial_delay,
         FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
+    const auto runs = static_cast<double>(result.runs.size());
     double end = 0.0, gain = 0.0, delay = 0.0;
     for (const RunResult& run : result.runs) {
       const FopdtFit& fit = run.judgement.fopdt[i * plant.num_inputs() + j];
       end += std::pow(run.judgement.static_gain_error(i, j), 2);
       gain += std::pow(fit.gain - errors.true_gain, 2);
       delay += std::pow(fit.delay - errors.true_delay, 2);
-      errors.delay_impulse_peak_mean += run.judgement.delay_impulse_peak(i, j) /
-                                        static_cast<double>(result.runs.size());
+      errors.delay_impulse_peak_mean +=
+          run.judgement.delay_impulse_peak(i, j) / runs;
     }
-    errors.static_gain_error_rms = RootMeanSquare(end, result.runs.size());
-    errors.fopdt_gain_error_rms = RootMeanSquare(gain, result.runs.size());
-    errors.fopdt_delay_error_rms = RootMeanSquare(delay, result.runs.size());
+    errors.static_gain_error_rms = std::sqrt(end / runs);
+    errors.fopdt_gain_error_rms = std::sqrt(gain / runs);
+    errors.fopdt_delay_error_rms = std::sqrt(delay / runs);
     result.elements.push_back(errors);
   }
   return absl::OkStatus();
@@ -251,58 +246,65 @@ namespace {
 
 using experiment::Describe;
 using experiment::Distribution;
-using report::FormatScientific;
-using report::FormatSignificant;
 
-// An estimator's results over the runs of a case.
-struct EstimatorRuns {
-  std::vector<double> E;
+// What the runs of a method that did not fail have in common.
+struct MethodSummary {
+  Distribution E;
+  Distribution lambda;
+  double max_relative_gap = 0.0;
   int proposed = 0;
   double seconds = 0.0;
-  std::string failure;
+  std::string failure;  // why the last one failed
 };
 
-EstimatorRuns RunsOf(const CaseResult& result, const std::string& name) {
-  EstimatorRuns runs;
+MethodSummary SummariseRuns(const std::vector<MethodRun>& runs) {
+  MethodSummary summary;
+  std::vector<double> E;
+  std::vector<double> lambda;
+  for (const MethodRun& run : runs) {
+    if (!run.status.ok()) {
+      summary.failure = std::string(run.status.message());
+      continue;
+    }
+    E.push_back(run.E);
+    lambda.push_back(run.lambda);
+    summary.max_relative_gap =
+        std::max(summary.max_relative_gap, run.max_relative_gap);
+    summary.proposed += run.change_proposed ? 1 : 0;
+    summary.seconds += run.seconds;
+  }
+  summary.E = Describe(std::move(E), 0);
+  summary.lambda = Describe(std::move(lambda), 0);
+  return summary;
+}
+
+// The runs of an estimator, of all seeds.
+std::vector<MethodRun> RunsOf(const CaseResult& result,
+                              const std::string& name) {
+  std::vector<MethodRun> runs;
   for (const RunResult& run : result.runs) {
     for (const MethodRun& one : run.estimators) {
-      if (one.name != name) continue;
-      if (!one.status.ok()) {
-        runs.failure = std::string(one.status.message());
-        continue;
-      }
-      runs.E.push_back(one.E);
-      runs.proposed += one.change_proposed ? 1 : 0;
-      runs.seconds += one.seconds;
+      if (one.name == name) runs.push_back(one);
     }
   }
   return runs;
 }
 
+// "5.8×10⁻⁵ … 9.4×10⁻⁵".
+std::string Extremes(const Distribution& values) {
+  return absl::StrCat(FormatScientific(values.min, 2), " … ",
+                      FormatScientific(values.max, 2));
+}
+
 std::vector<std::string> AblationRow(const AblationResult& result) {
-  std::vector<double> E;
-  std::vector<double> lambda;
-  double gap = 0.0;
-  std::string failure;
-  for (const MethodRun& run : result.runs) {
-    if (!run.status.ok()) {
-      failure = std::string(run.status.message());
-      continue;
-    }
-    E.push_back(run.E);
-    lambda.push_back(run.lambda);
-    gap = std::max(gap, run.max_relative_gap);
-  }
+  const MethodSummary runs = SummariseRuns(result.runs);
   const char* const what = result.ablation->what;
-  if (E.empty()) return {what, absl::StrCat("failed: ", failure)};
-  const Distribution error = Describe(E, 0);
-  const Distribution chosen = Describe(lambda, 0);
-  return {what, FormatSignificant(error.mean), FormatSignificant(error.max),
-          chosen.min == chosen.max
-              ? FormatScientific(chosen.min, 2)
-              : absl::StrCat(FormatScientific(chosen.min, 2), " … ",
-                             FormatScientific(chosen.max, 2)),
-          FormatScientific(gap, 1)};
+  if (runs.E.count == 0) return {what, absl::StrCat("failed: ", runs.failure)};
+  return {what, FormatSignificant(runs.E.mean), FormatSignificant(runs.E.max),
+          runs.lambda.min == runs.lambda.max
+              ? FormatScientific(runs.lambda.min, 2)
+              : Extremes(runs.lambda),
+          FormatScientific(runs.max_relative_gap, 1)};
 }
 
 }  // namespace
@@ -318,12 +320,12 @@ report::Table EstimatorTable(const CaseResult& result, bool with_times) {
   if (with_times) table.columns.push_back({"s a run"});
   // In the order of the first run, which has them all.
   for (const MethodRun& one : result.runs.front().estimators) {
-    const EstimatorRuns runs = RunsOf(result, one.name);
-    if (runs.E.empty()) {
+    const MethodSummary runs = SummariseRuns(RunsOf(result, one.name));
+    const Distribution& E = runs.E;
+    if (E.count == 0) {
       table.AddRow({one.name, "0", runs.failure});
       continue;
     }
-    const Distribution E = Describe(runs.E, 0);
     std::vector<std::string> row = {
         one.name, absl::StrCat(E.count), FormatSignificant(E.mean),
         FormatSignificant(E.max), absl::StrCat(runs.proposed, " of ", E.count)};

@@ -48,7 +48,7 @@ struct LoopPerformance {
   double settling_time = 0.0;
 };
 
-enum class LoopModel { kInitial, kCorrected, kTrue };
+// The model in the controller, in the order of what follows.
 inline constexpr std::array<const char*, 3> kLoopModelNames = {
     "initial", "corrected", "true"};
 
@@ -62,7 +62,6 @@ struct LoopRun {
 };
 
 struct ClosedLoopComparison {
-  // By LoopModel.
   std::array<LoopRun, 3> noise_free;
   std::array<LoopRun, 3> noisy;
 };
@@ -125,12 +124,6 @@ struct RunResult {
   StepResponse corrected;      // at λ*
   StepResponse unregularised;  // at λ = 0
 };
-
-// Fills in everything but the other rule and the estimators from what ΔR, the
-// paper's method, made of a run; `in_full` also what only the first seed has.
-absl::Status FillRun(const experiment::Experiment& experiment,
-                     const experiment::Evaluation& evaluation, bool in_full,
-                     RunResult& run);
 
 // Relative duality gaps up to this are as good as exact.
 inline constexpr double kAcceptedGap = 1e-9;

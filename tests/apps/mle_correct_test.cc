@@ -279,12 +279,11 @@ TEST(MleCorrectTest, AnElementOfAnotherShapeIsSaidToBeOne) {
                         {"--truth=" + plant, "--conversion_samples=20000"}));
     const nlohmann::json result = ParsedJson(scratch / "out/result.json");
     EXPECT_NE(result["decision"], "no_change");
-    EXPECT_FALSE(result["structure_adequate"]["adequate"]);
     bool said = false;
-    for (const nlohmann::json& finding : result["findings"]) {
-      said = said || finding["name"] == "structure_adequate";
+    for (const nlohmann::json& one : result["explanations"]) {
+      said = said || one["explanation"] == "lead";
     }
-    EXPECT_TRUE(said) << result["findings"];
+    EXPECT_TRUE(said) << result["explanations"];
   }
 }
 
@@ -305,7 +304,7 @@ TEST(MleCorrectTest, HelpNamesFlagsWithTheirDefaults) {
   EXPECT_EQ(run.exit_code, 0);
   for (const char* const flag :
        {"--model []", "--data []", "--out [correction]",
-        "--estimator [combined]", "--dry_run [false]", "--threads [0]",
+        "--estimator [output_error]", "--dry_run [false]", "--threads [0]",
         "--window_before [0] min, ≥ 0", "--confidence [0.95] in (0, 1)"}) {
     EXPECT_THAT(run.out, HasSubstr(flag));
   }

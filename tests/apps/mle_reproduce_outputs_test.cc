@@ -1,4 +1,4 @@
-// What mle_reproduce writes: results.json by its contract (docs/formats.md),
+// What mle_reproduce writes: results.json (whose form tests/docs checks),
 // curves that agree with it, the same bytes whatever the threads, and all of it
 // without rsvg-convert too.
 
@@ -35,43 +35,6 @@ std::set<std::string> NamesIn(const std::string& folder) {
   return names;
 }
 
-void ExpectNumber(const nlohmann::json& object, const char* key) {
-  ASSERT_TRUE(object.contains(key)) << key;
-  EXPECT_TRUE(object[key].is_number()) << key << " is " << object[key];
-}
-
-// 2 × 2 of what `check` accepts.
-template <typename Check>
-void ExpectPairs(const nlohmann::json& object, const char* key,
-                 const Check& check) {
-  ASSERT_TRUE(object.contains(key)) << key;
-  ASSERT_TRUE(object[key].is_array()) << key;
-  ASSERT_EQ(object[key].size(), 2u) << key;
-  for (const nlohmann::json& row : object[key]) {
-    ASSERT_TRUE(row.is_array()) << key;
-    ASSERT_EQ(row.size(), 2u) << key;
-    for (const nlohmann::json& entry : row) check(entry);
-  }
-}
-
-void ExpectRun(const nlohmann::json& run) {
-  EXPECT_TRUE(run["seed"].is_number_unsigned());
-  for (const char* key : {"lambda_star", "E_star", "E_zero", "lambda_oracle",
-                          "E_oracle", "max_relative_duality_gap"}) {
-    ExpectNumber(run, key);
-  }
-  const auto number = [](const nlohmann::json& entry) {
-    EXPECT_TRUE(entry.is_number());
-  };
-  ExpectPairs(run, "static_gain_error", number);
-  ExpectPairs(run, "delay_impulse_peak", number);
-  ExpectPairs(run, "fopdt", [](const nlohmann::json& entry) {
-    for (const char* key : {"gain", "time_constant", "delay"}) {
-      ExpectNumber(entry, key);
-    }
-  });
-}
-
 TEST(MleReproduceOutputs, HelpShowsTheFlagsMostNeeded) {
   const std::string help = RunTested({"--help"}).out;
   EXPECT_THAT(help, HasSubstr("  --seeds "));
@@ -96,12 +59,6 @@ TEST(MleReproduceOutputs, HelpListsEveryFlagWithItsDefault) {
   }
 }
 
-TEST(MleReproduceOutputs, TellsItsVersion) {
-  const report::ProcessResult result = RunTested({"--version"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out, ::testing::MatchesRegex("mle_reproduce [0-9.]+\n"));
-}
-
 TEST(MleReproduceOutputs, ResultsFollowTheContract) {
   const ScratchFolder scratch;
   const std::string out = scratch / "a/new/folder";
@@ -118,13 +75,11 @@ TEST(MleReproduceOutputs, ResultsFollowTheContract) {
   EXPECT_EQ(results["cases"][0]["name"], "gain");
   EXPECT_EQ(results["cases"][1]["name"], "delay");
   for (const nlohmann::json& one : results["cases"]) {
-    ExpectNumber(one, "E_initial");
     EXPECT_TRUE(one["summary"].is_object());
     ASSERT_EQ(one["runs"].size(), 2u);
     EXPECT_EQ(one["runs"][0]["seed"], 7);
     EXPECT_EQ(one["runs"][1]["seed"], 8);
     for (const nlohmann::json& run : one["runs"]) {
-      ExpectRun(run);
       EXPECT_LE(run["E_oracle"], run["E_star"]);
       EXPECT_LE(run["E_oracle"], run["E_zero"]);
       EXPECT_LE(run["max_relative_duality_gap"], 1e-9);
@@ -211,7 +166,7 @@ TEST(MleReproduceOutputs, CompareEstimators) {
     }
     EXPECT_EQ(estimators["arx"]["E"], run["E_star"]);
     EXPECT_LT(estimators["output_error"]["E"], estimators["arx"]["E"]);
-    ExpectNumber(run, "E_limit");
+    EXPECT_TRUE(run["E_limit"].is_number());
   }
   const nlohmann::json& first = one["runs"][0];
   EXPECT_NEAR(first["estimators"]["ceres"]["E"], first["E_star"],

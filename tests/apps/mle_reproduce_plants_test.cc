@@ -6,6 +6,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_model.h"
+#include "mle/model/transfer_function.h"
 #include "tests/apps/command_runner.h"
 
 namespace mle {
@@ -15,39 +17,29 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 struct Element {
-  std::size_t output;
-  std::size_t input;
-  std::string dynamics;  // the rest of the element, in JSON
+  int output;
+  int input;
+  TransferFunction dynamics;
 };
 
-std::string FirstOrder(double gain, double time_constant, double delay) {
-  return "\"gain\": " + std::to_string(gain) +
-         ", \"time_constant\": " + std::to_string(time_constant) +
-         ", \"delay\": " + std::to_string(delay);
+TransferFunction FirstOrder(double gain, double time_constant, double delay) {
+  return TransferFunction::FirstOrder(gain, time_constant, delay);
 }
 
-std::string Channels(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "" : ", ") + std::string("{\"name\": ") +
-            nlohmann::json(name).dump() + ", \"unit\": \"%\"}";
-  }
-  return "[" + text + "]";
-}
-
+// Its JSON.
 std::string Model(const std::vector<std::string>& outputs,
                   const std::vector<std::string>& inputs,
                   const std::vector<Element>& elements) {
-  std::string text;
-  for (const Element& element : elements) {
-    text += (text.empty() ? "" : ", ") + std::string("{\"output\": ") +
-            nlohmann::json(outputs[element.output]).dump() +
-            ", \"input\": " + nlohmann::json(inputs[element.input]).dump() +
-            ", " + element.dynamics + "}";
+  std::vector<OutputChannel> output_channels;
+  for (const std::string& name : outputs)
+    output_channels.push_back({name, "%"});
+  std::vector<InputChannel> input_channels;
+  for (const std::string& name : inputs) input_channels.push_back({name, "%"});
+  ProcessModel model("test", "s", input_channels, output_channels);
+  for (const auto& [output, input, dynamics] : elements) {
+    model.element(output, input) = dynamics;
   }
-  return "{\"name\": \"test\", \"time_unit\": \"s\", \"inputs\": " +
-         Channels(inputs) + ", \"outputs\": " + Channels(outputs) +
-         ", \"elements\": [" + text + "]}";
+  return FormatProcessModel(model);
 }
 
 nlohmann::json RunCase(const ScratchFolder& scratch, const std::string& model,
@@ -90,14 +82,12 @@ void ExpectCase(const nlohmann::json& result, std::size_t outputs,
 
 TEST(MleReproducePlants, OneOutputOfSecondOrder) {
   const ScratchFolder scratch;
-  const auto heater = [](const std::string& gain) {
+  const auto heater = [](double gain) {
     return Model({"temperature"}, {"power"},
-                 {{0, 0,
-                   "\"numerator\": [" + gain +
-                       "], \"denominator\": [12, 7, 1], \"delay\": 1.5"}});
+                 {{0, 0, TransferFunction({gain}, {12.0, 7.0, 1.0}, 1.5)}});
   };
   const nlohmann::json result =
-      RunCase(scratch, heater("2"), heater("1.2"), {"--selection=blocks"});
+      RunCase(scratch, heater(2), heater(1.2), {"--selection=blocks"});
   ExpectCase(result, 1, 1);
 }
 

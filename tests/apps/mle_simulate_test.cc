@@ -287,13 +287,5 @@ TEST(MleSimulateTest, ModelAndOutMustBeGiven) {
   EXPECT_THAT(result.err, HasSubstr("--model=FILE.json and --out=FILE.csv"));
 }
 
-TEST(MleSimulateTest, HelpListsTheFlags) {
-  const report::ProcessResult result = RunTested({"--help=all"});
-  EXPECT_EQ(result.exit_code, 0);
-  for (const char* flag : {"--plant", "--setpoints", "--ageing", "--quantum"}) {
-    EXPECT_THAT(result.out, HasSubstr(flag));
-  }
-}
-
 }  // namespace
 }  // namespace mle

@@ -39,7 +39,7 @@ class MleStudyTest : public ::testing::Test {
 TEST_F(MleStudyTest, TheSameBytesForAnyNumberOfThreads) {
   nlohmann::json campaign = SmallCampaign(2);
   campaign["estimators"] = {"none", "arx:none", "arx", "output_error:none",
-                            "combined"};
+                            "output_error"};
   campaign["selections"] = {"paper", "bic"};
   const std::string one = Run(campaign, "one", {"--threads=1"});
   ASSERT_EQ(result_.exit_code, 0) << result_.err;

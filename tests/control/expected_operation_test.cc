@@ -1,7 +1,6 @@
 #include "control/expected_operation.h"
 
 #include <cmath>
-#include <cstdint>
 #include <string>
 #include <utility>
 

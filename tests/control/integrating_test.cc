@@ -9,7 +9,6 @@
 #include "Eigen/LU"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
-#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
 #include "mle/model/process_model.h"

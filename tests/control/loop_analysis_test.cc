@@ -1,12 +1,8 @@
 #include "control/loop_analysis.h"
 
 #include <algorithm>
-#include <cmath>
-#include <complex>
-#include <limits>
 #include <numeric>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -22,11 +18,9 @@ using analysed_loops::FastTwoByTwo;
 using analysed_loops::MakeAnalysedMpc;
 using analysed_loops::Options;
 using analysed_loops::Predict;
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::EmptyModel;
-using testing::SecondOrder;
 using testing::SingleLoop;
 
 // The loop as x ← A x, x = (moves decided 1 … N instants ago, u and v, ŵ and d̂

@@ -1,6 +1,5 @@
 // The controller on plants that its model knows exactly or nearly.
 
-#include <cmath>
 #include <utility>
 
 #include "control/mpc.h"

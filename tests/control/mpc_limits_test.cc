@@ -18,7 +18,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using testing::EmptyModel;
 using ::testing::HasSubstr;
 using testing::MixedModel;
 using testing::SingleLoop;

@@ -19,7 +19,6 @@ using Eigen::VectorXd;
 using testing::EmptyModel;
 using ::testing::HasSubstr;
 using testing::MixedModel;
-using testing::SecondOrder;
 using testing::SingleLoop;
 
 // Small horizons and weights that couple the channels of MixedModel().

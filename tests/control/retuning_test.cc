@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 
 #include "control/first_order.h"
 #include "control/mpc.h"

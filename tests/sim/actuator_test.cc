@@ -13,7 +13,6 @@
 namespace mle::sim {
 namespace {
 
-using ::mle::testing::EmptyModel;
 using ::testing::HasSubstr;
 
 // A random walk with pauses.

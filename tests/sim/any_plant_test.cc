@@ -1,7 +1,5 @@
 // The closed loop around plants that are no transfer matrix.
 
-#include <cmath>
-
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "sim/ageing_plant.h"
@@ -12,7 +10,6 @@
 namespace mle::sim {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::VectorXd;
 using ::mle::testing::SingleLoop;
 using ::testing::HasSubstr;

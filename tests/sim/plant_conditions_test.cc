@@ -17,7 +17,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 using ::mle::testing::EmptyModel;
-using ::mle::testing::MixedModel;
 using ::testing::HasSubstr;
 
 void Idle(const Eigen::Ref<const VectorXd>&, const Eigen::Ref<const VectorXd>&,

@@ -1,7 +1,6 @@
 #include "apps/common/clean_output.h"
 
 #include <ostream>
-#include <sstream>
 #include <string>
 
 #include "gtest/gtest.h"

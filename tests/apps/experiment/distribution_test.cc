@@ -47,27 +47,6 @@ TEST(DescribeTest, NoneOneAndInfinite) {
   }
 }
 
-TEST(DescribeTest, KnowsTheTextbookExample) {
-  // Sum of squares about the mean 5: 32, over n − 1 = 7.
-  const Distribution d = Describe({2, 4, 4, 4, 5, 5, 7, 9}, 0);
-  EXPECT_NEAR(d.mean, 5.0, 1e-14);
-  EXPECT_EQ(d.min, 2.0);
-  EXPECT_EQ(d.max, 9.0);
-  EXPECT_NEAR(d.deviation, std::sqrt(32.0 / 7.0), 1e-14);
-}
-
-TEST(DescribeTest, ShiftsAndScalesWithTheValues) {
-  const std::vector<double> values = {0.5, 3.25, -1.0, 8.0};
-  std::vector<double> moved;
-  for (const double value : values) moved.push_back(1000.0 + 3.0 * value);
-  const Distribution before = Describe(values, 0);
-  const Distribution after = Describe(moved, 0);
-  EXPECT_NEAR(after.mean, 1000.0 + 3.0 * before.mean, 1e-12);
-  EXPECT_EQ(after.min, 1000.0 + 3.0 * before.min);
-  EXPECT_EQ(after.max, 1000.0 + 3.0 * before.max);
-  EXPECT_NEAR(after.deviation, 3.0 * before.deviation, 1e-12);
-}
-
 // Scaled values have scaled statistics, whatever the resampling drew.
 TEST(DescribeTest, ScalesWithTheValues) {
   std::mt19937_64 engine(5);

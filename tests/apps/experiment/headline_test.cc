@@ -1,6 +1,5 @@
 // What the page of a study says first.
 
-#include <cmath>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include <memory>
 #include <string>
 
-#include "absl/strings/str_cat.h"
 #include "apps/experiment/campaign_json.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/run_folder.h"

@@ -3,7 +3,6 @@
 #include <functional>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -1,6 +1,5 @@
 // What the page of lives says first.
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

@@ -12,7 +12,6 @@ namespace {
 using testing::Fouling;
 using testing::NoisyTank;
 using testing::QuietTank;
-using testing::Tank;
 using testing::TankLife;
 using testing::TankScenario;
 
@@ -62,7 +61,7 @@ TEST(LifeTest, CorrectionsFollowAPlantThatAges) {
   const LifeOptions options = TankLife(NoisyTank());
   const Life never = LiveBy("never", scenario, options);
   for (const char* policy :
-       {"output_error:1", "combined:4", "arx:4", "test:0.2", "on_demand:0.8"}) {
+       {"output_error:1", "arx:4", "test:0.2", "on_demand:0.8"}) {
     const Life life = LiveBy(policy, scenario, options);
     EXPECT_GT(Count(life, Outcome::kUpdated), 0) << policy;
     // At the end, where a gain of 0.4 has been reached.

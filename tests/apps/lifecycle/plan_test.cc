@@ -113,13 +113,13 @@ TEST(StepTestTest, CyclesRepeatEachInput) {
 
 TEST(PolicyTest, ListsAreRead) {
   const absl::StatusOr<std::vector<Policy>> policies = ParsePolicies(
-      "never, output_error:3,combined,arx:2,test:6,on_demand:0.5,"
+      "never, output_error:3,output_error,arx:2,test:6,on_demand:0.5,"
       "perfect");
   ASSERT_TRUE(policies.ok()) << policies.status();
   ASSERT_EQ(policies->size(), 7u);
   EXPECT_EQ((*policies)[1].every, 3);
   EXPECT_EQ((*policies)[1].estimator, Estimator::kOutputError);
-  EXPECT_EQ((*policies)[2].name, "combined:1");
+  EXPECT_EQ((*policies)[2].name, "output_error:1");
   EXPECT_EQ((*policies)[3].family(), "arx");
   EXPECT_EQ((*policies)[4].months, 6.0);
   EXPECT_TRUE((*policies)[5].tests());

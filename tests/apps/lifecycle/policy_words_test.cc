@@ -28,9 +28,9 @@ TEST(PolicyWordsTest, OrdinalsAreEnglish) {
 // Tables and legends tell policies apart by these names.
 TEST(PolicyWordsTest, EveryPolicyHasAnotherName) {
   std::set<std::string> names, instructions;
-  const char* const all[] = {"never",         "perfect", "output_error:1",
-                             "combined:1",    "arx:1",   "test:1",
-                             "on_demand:0.7", "test:12", "output_error:2"};
+  const char* const all[] = {"never",   "perfect",       "output_error:1",
+                             "arx:1",   "test:1",        "on_demand:0.7",
+                             "test:12", "output_error:2"};
   for (const char* const name : all) {
     names.insert(ShortName(Parsed(name)));
     instructions.insert(Instruction(Parsed(name)));

@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "apps/lifecycle/report.h"
 #include "gmock/gmock.h"

@@ -2,7 +2,6 @@
 #include <string>
 
 #include "apps/lifecycle/campaign.h"
-#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/lifecycle/small_scenario.h"
 

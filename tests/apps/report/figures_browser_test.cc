@@ -3,10 +3,8 @@
 
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "apps/report/html.h"
 #include "apps/report/text.h"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "apps/report/text.h"
 #include "gmock/gmock.h"

@@ -1,5 +1,4 @@
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "apps/reproduce/report.h"
@@ -12,7 +11,6 @@ namespace mle::reproduce {
 namespace {
 
 using nlohmann::json;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -45,11 +43,6 @@ TEST(FormatResults, RowsAreOutputsAndColumnsInputs) {
   EXPECT_EQ(run["fopdt"][1][1]["delay"], 2.5);
   EXPECT_EQ(one["summary"]["E_star"]["mean"], 3.5);
   EXPECT_EQ(one["summary"]["fopdt_delay_error_rms"][1][2], 0.5);
-}
-
-TEST(FormatResults, IsTheSameEveryTime) {
-  EXPECT_EQ(FormatResults({SummarisedCase()}),
-            FormatResults({SummarisedCase()}));
 }
 
 TEST(FormatResults, KeepsEveryDigit) {

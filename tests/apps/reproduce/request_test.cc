@@ -112,8 +112,8 @@ TEST(ReproduceRequestTest, ChoiceOfThePenalty) {
       {{"--estimators=arx,magic"},
        {"--estimators", "'magic'", "choose from output_error, arx"}},
       {{"--estimators=arx:magic"}, {"--estimators", "'magic'", "chi_square"}},
-      {{"--estimators=combined:adequacy"},
-       {"--estimators", "change_test", "combined"}},
+      {{"--estimators=output_error:adequacy"},
+       {"--estimators", "change_test", "output_error"}},
       {{"--estimators=arx,arx"}, {"--estimators", "'arx' is named twice"}},
       {{"--scaling=none"}, {"--scaling=none", "choose from standardise"}},
   });

@@ -1,5 +1,4 @@
 
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -20,7 +19,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 using CostState = AgeingCost::State;
 

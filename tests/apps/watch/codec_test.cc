@@ -1,10 +1,8 @@
 #include <cstring>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include "apps/watch/state.h"
-#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
 namespace mle::watch {

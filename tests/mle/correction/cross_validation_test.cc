@@ -1,7 +1,6 @@
 #include "mle/correction/cross_validation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>

@@ -11,7 +11,6 @@ namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 using ::testing::HasSubstr;
 using testing::MixedModel;
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <random>
-#include <vector>
 
 #include "gtest/gtest.h"
 #include "tests/mle/data/loop_records.h"
@@ -10,7 +9,6 @@
 namespace mle {
 namespace {
 
-using testing::LoopOptions;
 using testing::LoopRecord;
 using Kind = Compression::Kind;
 

@@ -1,6 +1,5 @@
 #include "mle/data/lagged_series.h"
 
-#include <cmath>
 #include <limits>
 #include <random>
 #include <vector>

@@ -1,8 +1,6 @@
 #include "mle/data/set_point_windows.h"
 
-#include <cmath>
 #include <random>
-#include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -1,7 +1,6 @@
 #include "mle/exchange/model_conversion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <string>
 #include <vector>

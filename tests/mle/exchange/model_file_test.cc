@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -11,7 +10,6 @@
 namespace mle {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kConfigs = MLE_CONFIGS_FOLDER;

@@ -1,8 +1,6 @@
 #include "mle/exchange/state_space_responses.h"
 
 #include <cmath>
-#include <string>
-#include <utility>
 
 #include "Eigen/Core"
 #include "gmock/gmock.h"

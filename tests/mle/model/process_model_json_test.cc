@@ -2,7 +2,6 @@
 #include <limits>
 #include <random>
 #include <string>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"

@@ -2,7 +2,6 @@
 
 #include "tests/mle/regression/degenerate_lasso.h"
 
-#include <cmath>
 #include <cstdint>
 
 #include "gtest/gtest.h"

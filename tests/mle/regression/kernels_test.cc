@@ -1,6 +1,5 @@
 #include "mle/regression/kernels/kernels.h"
 
-#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <ostream>

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <random>
-#include <utility>
 
 #include "gtest/gtest.h"
 #include "mle/regression/duality_gap.h"
