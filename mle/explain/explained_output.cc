@@ -292,7 +292,8 @@ ExplainedOutput::Shape ExplainedOutput::ShapeOf(
       Find(explanations, Kind::kHigherOrder, input, &has_second);
   const double least = has_second ? kLeastLagOfLead : kLagOfLead;
   shape.second = time * std::max(second, std::min(std::abs(lead), least));
-  if (shape.second > 0.0) {
+  // A lead makes up for its own lag.
+  if (lead == 0.0 && shape.second > 0.0) {
     shape.values.delay = std::max(values.delay - 0.5 * shape.second, 0.0);
     shape.values.time_scale = std::max(values.time_scale - 0.5 * shape.second,
                                        0.05 * values.time_scale);

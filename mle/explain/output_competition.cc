@@ -392,7 +392,7 @@ void OutputCompetition::TakeForClock() {
 
 void OutputCompetition::FitTogether() {
   const bool answered = feedback_p_value_.has_value() && !OpenLoop();
-  if (answered || !(energy_ > kMuchLeft * chance_)) return;
+  if (answered || (OpenLoop() && !(energy_ > kMuchLeft * chance_))) return;
   SeveralStepsFit fit = SeveralSteps(output_, instruments_).Best();
   const double energy = Energy(fit.explanations);
   const Chance chance = ChanceOf({fit.explanations}, directions_);

@@ -104,10 +104,15 @@ std::vector<bool> AgedInputs(const Candidates& candidates, int i) {
         !ProposesElement(candidates.estimate, i, j)) {
       aged[j] = false;
     }
-    // Nor is a change made that is not worth making.
-    if (aged[j]) aged[j] = IsWorthMaking(candidates, i, j);
   }
-  return aged;
+  // Nor is a change made that is not worth making; of elements that were fitted
+  // together one is enough.
+  std::vector<bool> worth(aged.size(), false);
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    worth[j] = aged[j] && IsWorthMaking(candidates, i, j);
+  }
+  const bool any = std::find(worth.begin(), worth.end(), true) != worth.end();
+  return output.together && any ? aged : worth;
 }
 
 }  // namespace mle
