@@ -255,6 +255,7 @@ Json JudgesJson(const Result& result) {
       row["feedback_p_value"] = *output.feedback_p_value;
     }
     row["moves"] = output.moves;
+    if (output.together) row["together"] = true;
     row["before"] = output.before();
     row["left"] = output.left();
     if (output.next.has_value()) {

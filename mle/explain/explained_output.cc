@@ -311,9 +311,9 @@ absl::StatusOr<TransferFunction> ExplainedOutput::Shaped(const Element& element,
   }
   const double gain = shape.values.gain;
   const double lag = shape.values.time_scale;
-  return TransferFunction(
-      {gain * shape.lead, gain},
-      {lag * shape.second, lag + shape.second, 1.0}, shape.values.delay);
+  return TransferFunction({gain * shape.lead, gain},
+                          {lag * shape.second, lag + shape.second, 1.0},
+                          shape.values.delay);
 }
 
 absl::StatusOr<TransferFunction> ExplainedOutput::ElementOf(

@@ -22,10 +22,10 @@ enum class ExplanationKind {
   kHigherOrder,  // a second lag θ (T + L); T and L lose half of it each
   kLead,         // times 1 + θ (T + L) s, with a second lag of min(|θ|, 0.2)
                  // (T + L) where there is none
-  kNewPath,      // of an input without an element: K = θ w / the input's range,
-                 // T = 3ᵖ⁻¹ τ, p as of Explanation::part, L = 0
-  kDirection,           // time constant T e^θ where the response falls
-  kReversed,            // −K e^θ
+  kNewPath,    // of an input without an element: K = θ w / the input's range,
+               // T = 3ᵖ⁻¹ τ, p as of Explanation::part, L = 0
+  kDirection,  // time constant T e^θ where the response falls
+  kReversed,   // −K e^θ
   kChangeDuringRecord,  // K (1 + θ s), s as of Explanation::part
   // Effects at an output; z is the model's output from where it began, w its
   // range.

@@ -393,25 +393,29 @@ void OutputCompetition::TakeForClock() {
 void OutputCompetition::FitTogether() {
   const bool answered = feedback_p_value_.has_value() && !OpenLoop();
   if (answered || (OpenLoop() && !(energy_ > kMuchLeft * chance_))) return;
-  SeveralStepsFit fit = SeveralSteps(output_, instruments_).Best();
-  const double energy = Energy(fit.explanations);
-  const Chance chance = ChanceOf({fit.explanations}, directions_);
-  const double evidence = EvidenceOf(energy_ - energy, chance.unit);
-  if (!(evidence > std::min(kExpected, options_.evidence)) ||
-      !AllFall(fit.held_out, HeldOut(), OpenLoop() ? 1.0 : kFarBetter)) {
+  const SeveralSteps several_steps(output_, instruments_);
+  for (const bool second_lags : {true, false}) {
+    SeveralStepsFit fit = several_steps.Best(second_lags);
+    const double energy = Energy(fit.explanations);
+    const Chance chance = ChanceOf({fit.explanations}, directions_);
+    const double evidence = EvidenceOf(energy_ - energy, chance.unit);
+    if (!(evidence > std::min(kExpected, options_.evidence)) ||
+        !AllFall(fit.held_out, HeldOut(), OpenLoop() ? 1.0 : kFarBetter)) {
+      continue;
+    }
+    together_ = true;
+    held_out_together_ = std::move(fit.held_out);
+    covariance_together_ = std::move(fit.covariance);
+    taken_.clear();
+    ties_.clear();
+    for (const Explanation& one : fit.explanations) {
+      taken_.push_back({one, 0.0, evidence});
+    }
+    energy_ = energy;
+    chance_ = chance.energy;
+    unit_ = chance.unit;
     return;
   }
-  together_ = true;
-  held_out_together_ = std::move(fit.held_out);
-  covariance_together_ = std::move(fit.covariance);
-  taken_.clear();
-  ties_.clear();
-  for (const Explanation& one : fit.explanations) {
-    taken_.push_back({one, 0.0, evidence});
-  }
-  energy_ = energy;
-  chance_ = chance.energy;
-  unit_ = chance.unit;
 }
 
 void OutputCompetition::Compete(const std::vector<Explanation>& given) {

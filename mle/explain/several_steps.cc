@@ -102,12 +102,15 @@ ExplanationFit SeveralSteps::Fit(std::vector<Explanation> explanations,
   return FitExplanations(output_, Errors(weights), std::move(explanations));
 }
 
-std::vector<Explanation> SeveralSteps::Worth() const {
+std::vector<Explanation> SeveralSteps::Worth(bool second_lags) const {
   const VectorXd all =
       VectorXd::Ones(static_cast<Index>(output_.rows().size()));
   std::vector<Explanation> explanations;
   for (const Explanation& one : output_.Applicable({})) {
-    if (IsAgeing(one.kind)) explanations.push_back(one);
+    if (IsAgeing(one.kind) ||
+        (second_lags && one.kind == ExplanationKind::kHigherOrder)) {
+      explanations.push_back(one);
+    }
   }
   while (!explanations.empty()) {
     const ExplanationFit fit = Fit(explanations, all);
@@ -144,11 +147,11 @@ void SeveralSteps::FitFolds(SeveralStepsFit& fit) const {
   fit.covariance = Jackknife(values);
 }
 
-SeveralStepsFit SeveralSteps::Best() const {
+SeveralStepsFit SeveralSteps::Best(bool second_lags) const {
   const VectorXd all =
       VectorXd::Ones(static_cast<Index>(output_.rows().size()));
   SeveralStepsFit fit;
-  fit.explanations = Worth();
+  fit.explanations = Worth(second_lags);
   while (!fit.explanations.empty()) {
     FitFolds(fit);
     std::vector<Explanation> significant;

@@ -1,5 +1,6 @@
 // Plain least squares of predictions several steps ahead: gain, time constant
-// and dead time of all elements of an output at once, without a noise model.
+// and dead time of all elements of an output at once, and second lags, without
+// a noise model.
 //
 //   min over θ  Σ_h Σ_k (e_k − e_{k−h})² / S_h  +  Σ_i (ε θ_i)²,
 //
@@ -47,14 +48,15 @@ class SeveralSteps {
   // Both must outlive it.
   SeveralSteps(const ExplainedOutput& output, const Instruments& instruments);
 
-  SeveralStepsFit Best() const;
+  // With second lags of elements of first order, or without.
+  SeveralStepsFit Best(bool second_lags) const;
 
  private:
   // θ of these from the rows of weight one.
   ExplanationFit Fit(std::vector<Explanation> explanations,
                      const Eigen::VectorXd& weights) const;
   // Those of all that are worth it.
-  std::vector<Explanation> Worth() const;
+  std::vector<Explanation> Worth(bool second_lags) const;
   // Errors held out and the covariance of θ̂, by the fits without a fold each.
   void FitFolds(SeveralStepsFit& fit) const;
   Eigen::VectorXd ErrorsAt(const std::vector<Explanation>& explanations,

@@ -76,8 +76,8 @@ struct CorrectOptions {
 
 // How two models differ, by the sum of squares of their step responses.
 struct ResponseDistance {
-  double total = 0.0;        // E: all pairs and samples
-  double relative = 0.0;     // √(E / Σ φ²), φ of the first model
+  double total = 0.0;     // E: all pairs and samples
+  double relative = 0.0;  // √(E / Σ φ²), φ of the first model
   // p × m: the same for each pair; where the first model has none, relative to
   // the largest of its output.
   Eigen::MatrixXd elements;

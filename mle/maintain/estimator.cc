@@ -29,8 +29,8 @@ absl::StatusOr<Named> Find(const std::vector<Named>& all, const char* what,
 }  // namespace
 
 const std::vector<Estimator>& AllEstimators() {
-  static const auto* const kAll = new std::vector<Estimator>{
-      Estimator::kOutputError, Estimator::kArx};
+  static const auto* const kAll =
+      new std::vector<Estimator>{Estimator::kOutputError, Estimator::kArx};
   return *kAll;
 }
 

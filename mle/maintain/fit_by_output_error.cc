@@ -86,9 +86,9 @@ absl::Status FitByOutputError(const ProcessModel& initial,
   MLE_ASSIGN_OR_RETURN(fit.test,
                        TestNoChange(initial, windows, fit.output_error, options,
                                     progress, shared, fit.seconds));
-  const bool rejected = options.output_error.change_given ||
-                        fit.test.p_value <
-                            options.output_error.false_alarm_probability;
+  const bool rejected =
+      options.output_error.change_given ||
+      fit.test.p_value < options.output_error.false_alarm_probability;
   OutputErrorCorrection& output_error = fit.output_error;
   switch (options.change_test) {
     case ChangeTest::kCalibrated:

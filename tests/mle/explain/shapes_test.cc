@@ -46,12 +46,11 @@ TEST(ShapesTest, ALeadAndASecondLagAreFound) {
   for (const TransferFunction& shape : shapes) {
     ProcessModel plant = TwoLoops();
     plant.element(0, 0) = shape;
-    const Competition competition =
-        Compete(TwoLoops(), RecordOf(plant, 5));
+    const Competition competition = Compete(TwoLoops(), RecordOf(plant, 5));
     bool shaped = false;
     for (const TakenExplanation& one : competition.outputs()[0].taken) {
-      shaped = shaped || (IsShape(one.explanation.kind) &&
-                          one.explanation.index == 0);
+      shaped = shaped ||
+               (IsShape(one.explanation.kind) && one.explanation.index == 0);
     }
     EXPECT_TRUE(shaped);
     const auto element =
@@ -105,7 +104,8 @@ TEST(SeveralStepsTest, AModelThatIsWrongInEverythingIsFitted) {
   ASSERT_TRUE(output.ok()) << output.status();
   const auto instruments = Instruments::Create(model, *output);
   ASSERT_TRUE(instruments.ok()) << instruments.status();
-  const SeveralStepsFit fit = SeveralSteps(*output, *instruments).Best();
+  const SeveralStepsFit fit =
+      SeveralSteps(*output, *instruments).Best(/*second_lags=*/false);
   ASSERT_GE(fit.explanations.size(), 4u);
   ASSERT_EQ(fit.covariance.rows(),
             static_cast<Eigen::Index>(fit.explanations.size()));
