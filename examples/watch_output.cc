@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
     }
     std::printf("%s: %s, p = %.3g for no change\n", argv[3],
                 std::string(mle::NameOf(result->decision)).c_str(),
-                result->estimate.fit.PValue());
+                mle::PValue(*result));
     return 0;
   }
   std::fprintf(stderr, "the model has no output '%s'\n", argv[3]);

@@ -24,23 +24,8 @@ constexpr double kRowsPerTau = 20.0;
 constexpr double kBridged = 0.1;
 // After a gap the output does not count for this many times the longest T + L.
 constexpr double kForgotten = 3.0;
-// The second lag of an element with a lead, of T + L.
-constexpr double kLagOfLead = 0.2;
-constexpr double kLeastLagOfLead = 0.02;
 // Doubles that the responses of one element may take.
 constexpr double kCachedDoubles = 1 << 21;
-
-double Find(const std::vector<Explanation>& explanations, Kind kind, int index,
-            bool* found = nullptr, int* part = nullptr) {
-  for (const Explanation& explanation : explanations) {
-    if (explanation.kind == kind && explanation.index == index) {
-      if (found != nullptr) *found = true;
-      if (part != nullptr) *part = explanation.part;
-      return explanation.value;
-    }
-  }
-  return 0.0;
-}
 
 }  // namespace
 
@@ -92,24 +77,6 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   }
   explained.output_range_ = high > low ? high - low : 1.0;
   return explained;
-}
-
-// First-order elements of τ for the inputs without one.
-void ExplainedOutput::AddNewPaths(const ProcessModel& model) {
-  if (integrating_) return;
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    if (!model.element(output_, j).IsZero()) continue;
-    absl::StatusOr<ElementResponse> response =
-        ElementResponse::Create(TransferFunction::FirstOrder(1.0, tau_, 0.0));
-    if (response.ok()) elements_.push_back({j, *std::move(response), false});
-  }
-}
-
-const ExplainedOutput::Element* ExplainedOutput::FindElement(int input) const {
-  for (const Element& element : elements_) {
-    if (element.input == input) return &element;
-  }
-  return nullptr;
 }
 
 void ExplainedOutput::ChooseRows() {
@@ -175,153 +142,6 @@ void ExplainedOutput::ChooseRows() {
     filled_.push_back(std::move(filled));
   }
   ranges_ = (high - low).cwiseMax(0.0);
-}
-
-const ElementValues& ExplainedOutput::values(int input) const {
-  static const ElementValues none;
-  const Element* const element = FindElement(input);
-  return element == nullptr ? none : element->response.initial_values();
-}
-
-bool ExplainedOutput::has_lag(int input) const {
-  const Element* const element = FindElement(input);
-  return element != nullptr && element->response.has_time_scale();
-}
-
-std::vector<int> ExplainedOutput::possible_inputs() const {
-  std::vector<int> inputs;
-  for (const Element& element : elements_) inputs.push_back(element.input);
-  std::sort(inputs.begin(), inputs.end());
-  return inputs;
-}
-
-std::vector<double> ExplainedOutput::time_constants() const {
-  std::vector<double> lags;
-  for (const Element& element : elements_) {
-    if (element.in_model && element.response.has_time_scale()) {
-      lags.push_back(element.response.initial_values().time_scale);
-    }
-  }
-  return lags;
-}
-
-std::vector<Explanation> ExplainedOutput::Applicable(
-    const std::vector<Explanation>& taken) const {
-  std::vector<Explanation> applicable;
-  for (const ExplanationType& type : ExplanationTable()) {
-    if (type.start.empty()) continue;
-    if (type.place == ExplanationPlace::kOutput) {
-      // A clock is the one dead time where there is one element.
-      if (type.kind == Kind::kOutputClock && inputs_.size() < 2) continue;
-      applicable.push_back({type.kind, output_, 0.0});
-      continue;
-    }
-    for (const Element& element : elements_) {
-      const int j = element.input;
-      if (!(ranges_[j] > 0.0)) continue;
-      if (element.in_model == (type.kind == Kind::kNewPath)) {
-        // Of a path that was found its times are estimated, too.
-        bool found = false;
-        Find(taken, Kind::kNewPath, j, &found);
-        if (!found || (type.kind != Kind::kTimeConstant &&
-                       type.kind != Kind::kDeadTime)) {
-          continue;
-        }
-      }
-      const bool lag = element.response.has_time_scale();
-      if (type.kind == Kind::kTimeConstant && !lag) continue;
-      if ((type.kind == Kind::kDirection || type.kind == Kind::kHigherOrder ||
-           type.kind == Kind::kLead) &&
-          (!lag || element.response.order() != 1 ||
-           element.response.is_integrating())) {
-        continue;
-      }
-      applicable.push_back({type.kind, j, 0.0});
-    }
-  }
-  return applicable;
-}
-
-std::pair<double, double> ExplainedOutput::Bounds(
-    const Explanation& explanation) const {
-  const ExplanationType& type = TypeOf(explanation.kind);
-  double lower = type.lower;
-  if (explanation.kind == Kind::kDeadTime) {
-    const ElementValues& values = this->values(explanation.index);
-    const double lag = has_lag(explanation.index) ? values.time_scale : 0.0;
-    const double scale = std::max(lag + values.delay, sample_time_);
-    lower = std::max(lower, -values.delay / scale);
-  }
-  return {lower, type.upper};
-}
-
-ElementValues ExplainedOutput::Before(
-    int input, const std::vector<Explanation>& explanations) const {
-  ElementValues before = values(input);
-  const Element* const element = FindElement(input);
-  if (element == nullptr || element->in_model) return before;
-  int part = 0;
-  const double path = Find(explanations, Kind::kNewPath, input, nullptr, &part);
-  before.gain = path * output_range_ / std::max(ranges_[input], 1e-300);
-  before.time_scale *= std::pow(3.0, part - 1);
-  return before;
-}
-
-ElementValues ExplainedOutput::Aged(
-    int input, const std::vector<Explanation>& explanations) const {
-  ElementValues aged = Before(input, explanations);
-  const double lag = has_lag(input) ? aged.time_scale : 0.0;
-  aged.delay =
-      std::max(0.0, aged.delay + Find(explanations, Kind::kDeadTime, input) *
-                                     std::max(lag + aged.delay, sample_time_));
-  aged.gain *= std::exp(Find(explanations, Kind::kGain, input));
-  aged.time_scale *= std::exp(Find(explanations, Kind::kTimeConstant, input));
-  return aged;
-}
-
-ExplainedOutput::Shape ExplainedOutput::ShapeOf(
-    const ElementValues& values, int input,
-    const std::vector<Explanation>& explanations) {
-  const double time = values.time_scale + values.delay;
-  Shape shape;
-  shape.values = values;
-  const double lead = Find(explanations, Kind::kLead, input);
-  shape.lead = lead * time;
-  bool has_second = false;
-  const double second =
-      Find(explanations, Kind::kHigherOrder, input, &has_second);
-  const double least = has_second ? kLeastLagOfLead : kLagOfLead;
-  shape.second = time * std::max(second, std::min(std::abs(lead), least));
-  // A lead makes up for its own lag.
-  if (lead == 0.0 && shape.second > 0.0) {
-    shape.values.delay = std::max(values.delay - 0.5 * shape.second, 0.0);
-    shape.values.time_scale = std::max(values.time_scale - 0.5 * shape.second,
-                                       0.05 * values.time_scale);
-  }
-  return shape;
-}
-
-absl::StatusOr<TransferFunction> ExplainedOutput::Shaped(const Element& element,
-                                                         const Shape& shape) {
-  const TransferFunction own =
-      element.response.ToTransferFunction(shape.values);
-  if (shape.second == 0.0 && shape.lead == 0.0) return own;
-  if (!own.IsFirstOrder()) {
-    return absl::FailedPreconditionError("the element is not of first order");
-  }
-  const double gain = shape.values.gain;
-  const double lag = shape.values.time_scale;
-  return TransferFunction({gain * shape.lead, gain},
-                          {lag * shape.second, lag + shape.second, 1.0},
-                          shape.values.delay);
-}
-
-absl::StatusOr<TransferFunction> ExplainedOutput::ElementOf(
-    int input, const ElementValues& values,
-    const std::vector<Explanation>& explanations) const {
-  const Element* const element = FindElement(input);
-  if (element == nullptr) return absl::NotFoundError("there is no element");
-  return Shaped(*element, ShapeOf(values, input, explanations));
 }
 
 Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
@@ -424,34 +244,34 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
     z.push_back(VectorXd::Zero(record.samples()));
   }
   const double clock =
-      0.5 * tau_ * Find(explanations, Kind::kOutputClock, output_);
+      0.5 * tau_ * ValueOf(explanations, Kind::kOutputClock, output_);
   for (int e = 0; e < static_cast<int>(elements_.size()); ++e) {
     const int j = elements_[e].input;
     const ElementValues aged = Aged(j, explanations);
     if (!elements_[e].in_model && aged.gain == 0.0) continue;
     Shape shape = ShapeOf(aged, j, explanations);
     ElementValues& values = shape.values;
-    const double falling = std::exp(Find(explanations, Kind::kDirection, j));
+    const double falling = std::exp(ValueOf(explanations, Kind::kDirection, j));
     values.delay = std::max(values.delay, 0.0) + clock +
-                   0.5 * tau_ * Find(explanations, Kind::kInputClock, j);
+                   0.5 * tau_ * ValueOf(explanations, Kind::kInputClock, j);
     bool reversed = false;
-    const double factor = Find(explanations, Kind::kReversed, j, &reversed);
+    const double factor = ValueOf(explanations, Kind::kReversed, j, &reversed);
     if (reversed) values.gain *= -std::exp(factor);
     bool limited = false;
-    const double rate = Find(explanations, Kind::kRateLimit, j, &limited);
+    const double rate = ValueOf(explanations, Kind::kRateLimit, j, &limited);
     const Key key = {values.time_scale,
                      values.delay,
                      shape.second,
                      shape.lead,
                      falling,
-                     Find(explanations, Kind::kCurvedInput, j),
+                     ValueOf(explanations, Kind::kCurvedInput, j),
                      limited ? std::exp(rate) : 0.0,
-                     Find(explanations, Kind::kBacklash, j),
-                     Find(explanations, Kind::kSaturation, j)};
+                     ValueOf(explanations, Kind::kBacklash, j),
+                     ValueOf(explanations, Kind::kSaturation, j)};
     const std::vector<VectorXd>& responses = ResponseOf(e, key);
     int part = 0;
     const double change =
-        Find(explanations, Kind::kChangeDuringRecord, j, nullptr, &part);
+        ValueOf(explanations, Kind::kChangeDuringRecord, j, nullptr, &part);
     double passed = 0.0;
     for (std::size_t r = 0; r < z.size(); ++r) {
       if (change == 0.0) {
@@ -466,10 +286,10 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
       passed += static_cast<double>(z[r].size());
     }
   }
-  const double curve = Find(explanations, Kind::kCurvedOutput, output_);
-  const double cubic = Find(explanations, Kind::kSShapedOutput, output_);
-  const double width =
-      Find(explanations, Kind::kAveragedOutput, output_) * tau_ / sample_time_;
+  const double curve = ValueOf(explanations, Kind::kCurvedOutput, output_);
+  const double cubic = ValueOf(explanations, Kind::kSShapedOutput, output_);
+  const double width = ValueOf(explanations, Kind::kAveragedOutput, output_) *
+                       tau_ / sample_time_;
   for (VectorXd& values : z) {
     if (curve != 0.0 || cubic != 0.0) {
       const Eigen::ArrayXd scaled = values.array() / output_range_;

@@ -220,6 +220,17 @@ double ShareOfChange(int part, double at) {
   return quarter >= part - 4.0 ? 1.0 : 0.0;
 }
 
+double ValueOf(const std::vector<Explanation>& explanations,
+               ExplanationKind kind, int index, bool* found, int* part) {
+  for (const Explanation& explanation : explanations) {
+    if (explanation.kind != kind || explanation.index != index) continue;
+    if (found != nullptr) *found = true;
+    if (part != nullptr) *part = explanation.part;
+    return explanation.value;
+  }
+  return 0.0;
+}
+
 double GainAtEnd(const std::vector<Explanation>& explanations, int input) {
   for (const Explanation& one : explanations) {
     if (one.kind == Kind::kChangeDuringRecord && one.index == input) {

@@ -96,6 +96,12 @@ struct Explanation {
   }
 };
 
+// θ of an explanation of this kind and index, 0 where there is none; whether it
+// was `found`, and its `part`.
+double ValueOf(const std::vector<Explanation>& explanations,
+               ExplanationKind kind, int index, bool* found = nullptr,
+               int* part = nullptr);
+
 // The factor by which the gain of an element has changed at the end of the
 // records, beside any other; 1 where it did not change during them, or only for
 // a time.

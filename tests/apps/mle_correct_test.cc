@@ -259,9 +259,9 @@ TEST(MleCorrectTest, SolversAgreeAndLossesAreTaken) {
   }
 }
 
-// No gain, time constant and dead time make an inverse response: what is fitted
-// then is worse than the initial model, and says nothing of it.
-TEST(MleCorrectTest, AnElementOfAnotherShapeIsSaidToBeOne) {
+// No gain, time constant and dead time make an inverse response; what is most
+// like it is a longer dead time, and that something has happened is said.
+TEST(MleCorrectTest, AnElementOfAnotherShapeIsNotPassedOver) {
   const ScratchFolder scratch;
   const std::string model = scratch.Write("model.json", HeaterJson(Heater()));
   const std::string plant = scratch.Write(
@@ -279,11 +279,8 @@ TEST(MleCorrectTest, AnElementOfAnotherShapeIsSaidToBeOne) {
                         {"--truth=" + plant, "--conversion_samples=20000"}));
     const nlohmann::json result = ParsedJson(scratch / "out/result.json");
     EXPECT_NE(result["decision"], "no_change");
-    bool said = false;
-    for (const nlohmann::json& one : result["explanations"]) {
-      said = said || one["explanation"] == "lead";
-    }
-    EXPECT_TRUE(said) << result["explanations"];
+    EXPECT_FALSE(result["explanations"].empty());
+    EXPECT_GT(result["judges"][0]["before"], 2.0);
   }
 }
 

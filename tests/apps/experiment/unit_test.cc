@@ -47,7 +47,7 @@ TEST(RunUnitTest, ARowDependsOnItsNumberAlone) {
   json["ablations"] = {"none", "half_windows"};
   const Campaign campaign = Made(json);
   const auto together = Rows(campaign, Grid::kUnitScenarios, false);
-  EXPECT_EQ(together.size(), 2U * 2U * 9U);
+  EXPECT_EQ(together.size(), 2U * 2U * 7U);
   EXPECT_EQ(together, Rows(campaign, 1, true));
 }
 
