@@ -101,10 +101,8 @@ Record RecordFrom(fuzz::Bytes& bytes, const ProcessModel& model) {
 CorrectOptions OptionsFrom(fuzz::Bytes& bytes) {
   CorrectOptions options;
   const int flags = bytes.Next();
-  constexpr Estimator kEstimators[] = {Estimator::kOutputError,
-                                       Estimator::kOutputError,
-                                       Estimator::kArx, Estimator::kArx};
-  options.estimation.estimator = kEstimators[flags % 4];
+  options.estimation.estimator =
+      flags % 4 == 3 ? Estimator::kArx : Estimator::kOutputError;
   options.estimation.change_test =
       (flags & 4) != 0 ? ChangeTest::kChiSquare : ChangeTest::kCalibrated;
   options.make_arx = (flags & 8) != 0;

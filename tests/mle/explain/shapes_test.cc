@@ -28,7 +28,7 @@ Record RecordOf(const ProcessModel& plant, unsigned seed) {
   return record;
 }
 
-Competition Compete(const ProcessModel& model, const Record& record) {
+Competition CompeteFor(const ProcessModel& model, const Record& record) {
   auto competition = Competition::Run(model, {record}, {});
   EXPECT_TRUE(competition.ok()) << competition.status();
   return *std::move(competition);
@@ -46,7 +46,7 @@ TEST(ShapesTest, ALeadAndASecondLagAreFound) {
   for (const TransferFunction& shape : shapes) {
     ProcessModel plant = TwoLoops();
     plant.element(0, 0) = shape;
-    const Competition competition = Compete(TwoLoops(), RecordOf(plant, 5));
+    const Competition competition = CompeteFor(TwoLoops(), RecordOf(plant, 5));
     bool shaped = false;
     for (const TakenExplanation& one : competition.outputs()[0].taken) {
       shaped = shaped ||
@@ -65,7 +65,7 @@ TEST(ShapesTest, ALeadAndASecondLagAreFound) {
 TEST(ShapesTest, APathThatTheModelDoesNotHaveIsFound) {
   ProcessModel model = TwoLoops();
   model.element(1, 0) = TransferFunction();
-  const Competition competition = Compete(model, CloseLoops(TwoLoops(), 4));
+  const Competition competition = CompeteFor(model, CloseLoops(TwoLoops(), 4));
   const OutputExplanation& output = competition.outputs()[1];
   ASSERT_FALSE(output.taken.empty());
   EXPECT_EQ(output.taken[0].explanation.kind, ExplanationKind::kNewPath);
@@ -87,7 +87,7 @@ TEST(ShapesTest, WhatIsThereIsNoNewPath) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     ProcessModel model = TwoLoops();
     model.element(1, 0) = TransferFunction();
-    const Competition competition = Compete(model, RecordOf(model, seed));
+    const Competition competition = CompeteFor(model, RecordOf(model, seed));
     EXPECT_TRUE(competition.outputs()[0].taken.empty()) << seed;
     EXPECT_TRUE(competition.outputs()[1].taken.empty()) << seed;
   }
@@ -133,7 +133,7 @@ TEST(SeveralStepsTest, NothingIsSignificantWhereNothingHappened) {
   int changed = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Competition competition =
-        Compete(TwoLoops(), CloseLoops(TwoLoops(), seed));
+        CompeteFor(TwoLoops(), CloseLoops(TwoLoops(), seed));
     for (const OutputExplanation& output : competition.outputs()) {
       changed += output.together ? 1 : 0;
     }

@@ -107,9 +107,8 @@ TEST(ModelAdequacyTest, NamesWhatIsInvalid) {
   const auto records = MakeRecords(TwoElements(), 400, 1, {.variance = 1e-2});
   AdequacyOptions alarms;
   alarms.false_alarm_probability = 1.0;
-  EXPECT_THAT(
-      TestAdequacy(TwoElements(), records, alarms).status().message(),
-      HasSubstr("false_alarm_probability is 1, must be between"));
+  EXPECT_THAT(TestAdequacy(TwoElements(), records, alarms).status().message(),
+              HasSubstr("false_alarm_probability is 1, must be between"));
   EXPECT_FALSE(TestAdequacy(TwoElements(), {}, {}).ok());
 }
 
