@@ -165,9 +165,8 @@ void KeepInitialElement(int output, int input, Estimate& estimate) {
 
 namespace {
 
-// Leaves gains, time constants and dead times, and no other shape.
-void KeepParametricOutput(int output, Estimate& estimate) {
-  EstimateFit& fit = estimate.fit;
+// Takes ΔR back.
+void KeepOwnRow(int output, Estimate& estimate) {
   if (!ProposesByArx(estimate, output)) return;
   EstimateSetting& setting = estimate.setting;
   estimate.fit.arx_model.R.row(output) =
@@ -182,7 +181,7 @@ void KeepParametricOutput(int output, Estimate& estimate) {
 }  // namespace
 
 void KeepInitialOutput(int output, Estimate& estimate) {
-  KeepParametricOutput(output, estimate);
+  KeepOwnRow(output, estimate);
   for (int j = 0; j < estimate.setting.initial.num_inputs(); ++j) {
     if (estimate.fit.output_error.aged(output, j)) {
       KeepInitialElement(output, j, estimate);
