@@ -118,9 +118,9 @@ char32_t Decode(std::string_view text, std::size_t& at) {
     if ((next & 0xC0u) != 0x80u) return kReplacement;
     code = (code << 6) | (next & 0x3Fu);
   }
-  constexpr char32_t kSmallest[] = {0, 0x80, 0x800, 0x10000};
+  constexpr char32_t kSmallestOfLength[] = {0, 0x80, 0x800, 0x10000};
   const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
-  if (code < kSmallest[following] || code > 0x10FFFF || surrogate) {
+  if (code < kSmallestOfLength[following] || code > 0x10FFFF || surrogate) {
     return kReplacement;
   }
   at += following;
