@@ -96,7 +96,7 @@ bool IsNamed(const Result& result, int output, int input) {
 std::string DescribePair(const Result& result, int output, int input) {
   switch (result.information.pair(output, input).state) {
     case PairState::kAbsent:
-      return "–";
+      return HasOtherShape(result, output, input) ? "new path" : "–";
     case PairState::kNotInformed:
       return result.data.obstacles.empty()
                  ? "not known: the records do not determine it"
@@ -245,7 +245,9 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
   const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
   const ElementEstimate& full = output_error.full.element(output, input);
   const PairState state = result.information.pair(output, input).state;
-  if (state == PairState::kAbsent) return {"–"};
+  if (state == PairState::kAbsent) {
+    return {HasOtherShape(result, output, input) ? "new path" : "–"};
+  }
   if (full.state == ElementState::kNotInformed) return {"kept", "not informed"};
   const bool by_structure = result.corrected.process.has_value();
   std::vector<std::string> lines;
