@@ -3,8 +3,8 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <filesystem>
-#include <future>
 #include <iostream>
 #include <mutex>
 #include <set>
@@ -21,36 +21,32 @@ namespace {
 // Between two looks at signals.
 constexpr std::chrono::milliseconds kPause(100);
 
-// The units of work that are left, dealt to any number of threads.
-class RemainingWork {
+// Threads that take one unit of work after the other.
+class Crew {
  public:
-  RemainingWork(const Work& work, const RunFolder& folder)
+  Crew(const Work& work, const RunFolder& folder)
       : work_(work), folder_(folder), journal_(folder.journal()) {}
 
-  // Takes one unit after the other, until there are none or one fails.
-  void Deal() {
+  absl::Status Run(int threads, const std::function<bool()>& stopped,
+                   const ProgressFunction& told) {
+    std::int64_t shown = folder_.num_done();
+    told(shown, folder_.runs());
+    working_ = threads;
+    std::vector<std::thread> workers;
+    for (int i = 0; i < threads; ++i) workers.emplace_back([this] { Deal(); });
     std::unique_lock<std::mutex> lock(mutex_);
-    while (!stop_) {
-      const std::vector<std::int64_t> runs = Next();
-      if (runs.empty()) break;
+    while (working_ > 0) {
+      changed_.wait_for(lock, kPause, [&] {
+        return working_ == 0 || folder_.num_done() > shown;
+      });
+      shown = folder_.num_done();
       lock.unlock();
-      const absl::Status status = work_.run(
-          runs, stop_, [this](std::int64_t run, const std::string& line) {
-            const std::lock_guard<std::mutex> held(mutex_);
-            Note(journal_.Append(run, line));
-          });
+      told(shown, folder_.runs());
+      if (stopped()) stop_ = true;
       lock.lock();
-      Note(status);
     }
-  }
-
-  void Stop() { stop_ = true; }
-  std::int64_t num_done() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return journal_.num_done();
-  }
-  // Once nobody deals any more.
-  absl::Status Finish() {
+    lock.unlock();
+    for (std::thread& worker : workers) worker.join();
     status_.Update(journal_.Sync());
     return status_;
   }
@@ -68,17 +64,38 @@ class RemainingWork {
     return runs;
   }
 
+  void Deal() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!stop_) {
+      const std::vector<std::int64_t> runs = Next();
+      if (runs.empty()) break;
+      lock.unlock();
+      const absl::Status status = work_.run(
+          runs, stop_, [this](std::int64_t run, const std::string& line) {
+            const std::lock_guard<std::mutex> held(mutex_);
+            Note(journal_.Append(run, line));
+          });
+      lock.lock();
+      Note(status);
+    }
+    --working_;
+    changed_.notify_all();
+  }
+
   void Note(const absl::Status& status) {
     status_.Update(status);
     if (!status.ok()) stop_ = true;
+    changed_.notify_all();
   }
 
   const Work& work_;
   const RunFolder& folder_;
   std::atomic<bool> stop_{false};
   std::mutex mutex_;  // of what follows
+  std::condition_variable changed_;
   Journal& journal_;
   std::int64_t next_unit_ = 0;
+  int working_ = 0;
   absl::Status status_;
 };
 
@@ -126,21 +143,7 @@ absl::Status RunFolder::TakeParts(const Work& work) {
 absl::Status RunFolder::RunRemaining(const Work& work, int threads,
                                      const std::function<bool()>& stopped,
                                      const ProgressFunction& told) {
-  RemainingWork remaining(work, *this);
-  told(num_done(), runs_);
-  std::vector<std::future<void>> workers;
-  for (int i = 0; i < threads; ++i) {
-    workers.push_back(
-        std::async(std::launch::async, [&remaining] { remaining.Deal(); }));
-  }
-  for (const std::future<void>& worker : workers) {
-    while (worker.wait_for(kPause) != std::future_status::ready) {
-      told(remaining.num_done(), runs_);
-      if (stopped()) remaining.Stop();
-    }
-  }
-  told(num_done(), runs_);
-  return remaining.Finish();
+  return Crew(work, *this).Run(threads, stopped, told);
 }
 
 void RunFolder::PrintFound(const std::string& what) const {

@@ -12,6 +12,8 @@
 namespace mle::python {
 namespace {
 
+namespace py = pybind11;
+
 // pybind11 allocates what an object without __init__() stands for when it is
 // used first, and leaves that memory as it is. Nothing else allocates so:
 // constructors and unpickling make the value themselves.
