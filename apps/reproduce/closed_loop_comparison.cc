@@ -137,7 +137,8 @@ double TotalError(const std::vector<LoopPerformance>& changes) {
   return total;
 }
 
-// Null where there are none; what is not finite is written as null too.
+// The measures of all changes as JSON; null where there are none, and in place of
+// what is not finite.
 Json ChangesToJson(const std::vector<LoopPerformance>& changes, bool noisy) {
   Json json;
   for (const LoopMeasure& measure : kLoopMeasures) {

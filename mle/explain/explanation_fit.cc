@@ -20,16 +20,16 @@ constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 }  // namespace
 
 MatrixXd JacobianOf(const ExplainedOutput& output,
-                    const ExplanationValue& value,
-                    const std::vector<Explanation>& explanations) {
-  const VectorXd at = value(explanations);
+                    const ExplanationValue& value_of,
+                    const std::vector<Explanation>& explanations,
+                    const VectorXd& at) {
   MatrixXd jacobian(at.size(), static_cast<Index>(explanations.size()));
   for (std::size_t i = 0; i < explanations.size(); ++i) {
     std::vector<Explanation> moved = explanations;
     const double upper = output.Bounds(moved[i]).second;
     const double step = moved[i].value + kStep <= upper ? kStep : -kStep;
     moved[i].value += step;
-    jacobian.col(static_cast<Index>(i)) = (value(moved) - at) / step;
+    jacobian.col(static_cast<Index>(i)) = (value_of(moved) - at) / step;
   }
   return jacobian;
 }
@@ -48,7 +48,7 @@ ExplanationFit FitExplanations(const ExplainedOutput& output,
   if (fit.explanations.empty()) return fit;
   double damping = 1e-3;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const MatrixXd J = JacobianOf(output, value_of, fit.explanations);
+    const MatrixXd J = JacobianOf(output, value_of, fit.explanations, at);
     const MatrixXd H = J.transpose() * J;
     const VectorXd g = J.transpose() * at;
     if (!(H.diagonal().maxCoeff() > 0.0)) break;

@@ -24,14 +24,16 @@ struct ExplanationFit {
   double score = 0.0;
 };
 
-// By each θ, by differences within the bounds of `output`.
+// By each θ, by differences within the bounds of `output`; `at` is the value of
+// `explanations`.
 Eigen::MatrixXd JacobianOf(const ExplainedOutput& output,
-                           const ExplanationValue& value,
-                           const std::vector<Explanation>& explanations);
+                           const ExplanationValue& value_of,
+                           const std::vector<Explanation>& explanations,
+                           const Eigen::VectorXd& at);
 
 // Levenberg–Marquardt within bounds, from the θ given.
 ExplanationFit FitExplanations(const ExplainedOutput& output,
-                               const ExplanationValue& value,
+                               const ExplanationValue& value_of,
                                std::vector<Explanation> explanations);
 
 }  // namespace mle

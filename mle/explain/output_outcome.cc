@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "Eigen/Cholesky"
-#include "mle/explain/held_out_errors.h"
 #include "mle/explain/output_competition.h"
 
 namespace mle {
@@ -69,13 +68,6 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
   return by * covariance * by.transpose();
 }
 
-std::vector<HorizonErrors> OutputCompetition::HeldOut() const {
-  if (together_ || taken_.empty()) return held_out_together_;
-  return HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
-    return Estimate(Explanations(), weights).explanations;
-  });
-}
-
 double OutputCompetition::Required() const {
   return independent_ * std::expm1(options_.evidence / independent_);
 }
@@ -113,7 +105,7 @@ OutputExplanation OutputCompetition::Report() const {
             .squaredNorm();
   }
   report.together = together_;
-  report.held_out = HeldOut();
+  report.held_out = held_out_;
   const Index m = output_.records().front().num_inputs();
   report.detectable.assign(static_cast<std::size_t>(m),
                            std::numeric_limits<double>::infinity());

@@ -114,7 +114,8 @@ std::vector<Explanation> SeveralSteps::Worth(bool second_lags) const {
   }
   while (!explanations.empty()) {
     const ExplanationFit fit = Fit(explanations, all);
-    const MatrixXd J = JacobianOf(output_, Errors(all), fit.explanations);
+    const MatrixXd J = JacobianOf(output_, Errors(all), fit.explanations,
+                                  ErrorsAt(fit.explanations, all));
     const MatrixXd H = J.transpose() * J;
     const MatrixXd inverse =
         H.ldlt().solve(MatrixXd::Identity(H.rows(), H.cols()));

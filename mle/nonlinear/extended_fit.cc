@@ -88,7 +88,7 @@ std::vector<MatrixXd> ExtendedFit::InputColumns(int set) const {
   if (set == 2) return OtherShapes(problem_, fit_.point, kSlowerScales);
   const int longest =
       std::max(std::min(kLongestLag, problem_.shortest_segment() / 4) - 1, 1);
-  return problem_.LagSums(LagRanges(longest, 1));
+  return problem_.LagSums(LagRanges(longest));
 }
 
 }  // namespace mle

@@ -47,8 +47,7 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(const ProcessModel& model,
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(model, records, options.structure));
   const std::vector<int> first_lags = LagRanges(
-      LongestLag(setups, records, kSettlingTimeScales, kMaxAdequacyLagShare),
-      1);
+      LongestLag(setups, records, kSettlingTimeScales, kMaxAdequacyLagShare));
   const std::vector<bool> none(model.num_inputs(), false);
   std::vector<Contrast> evidence(setups.size());
   ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {

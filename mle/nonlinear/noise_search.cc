@@ -177,7 +177,6 @@ Profile ShapeLikelihood::ProfileOf(const NoiseShape& shape,
   profile.factor = problem_.variance_factor();
   const Elimination linearised = EliminateFirst(width_, shaped.products);
   profile.rank = linearised.rank();
-  profile.coefficients = linearised.Coefficients(width_);
   // Exact data leave rounding, which has no likelihood.
   profile.squares = std::max(
       {linearised.rest(0, 0), 1e-26 * problem_.total_squares(), 1e-300});

@@ -45,10 +45,6 @@ struct Profile {
   double degrees = 0.0;  // of freedom that they have
   int rank = 0;          // of what is fitted to first order
   double factor = 1.0;   // of OutputErrorProblem::variance_factor()
-  // Coefficients of what is fitted to first order: steps from the linearisation
-  // (as of the residuals' derivatives, with their sign), then of the columns
-  // besides.
-  Eigen::VectorXd coefficients;
 
   double variance() const;  // r
 };

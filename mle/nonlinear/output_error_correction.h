@@ -237,8 +237,6 @@ struct OutputErrorFit {
   const ElementEstimate& element(int output, int input) const {
     return elements[output * model.num_inputs() + input];
   }
-  // Takes over what `other`, a fit of the same model, has for an output.
-  void TakeOutput(const OutputErrorFit& other, int output);
   // Standard errors of the step responses at 0, Δt, … (delta method): a band
   // about the model's responses is ± 1.96 of it.
   StepResponse StepResponseErrors(double sample_time, int samples) const;

@@ -30,13 +30,10 @@ std::vector<int> FreeParameters(const std::vector<bool>& free) {
   return parameters;
 }
 
-std::vector<int> LagRanges(int longest, int per_octave) {
+std::vector<int> LagRanges(int longest) {
   std::vector<int> first_lags = {1};
-  const double factor = std::exp2(1.0 / per_octave);
   while (first_lags.back() <= longest) {
-    const int last = first_lags.back();
-    first_lags.push_back(
-        std::max(last + 1, static_cast<int>(std::lround(last * factor))));
+    first_lags.push_back(2 * first_lags.back());
   }
   return first_lags;
 }

@@ -87,9 +87,9 @@ struct WhitenedColumns {
 // and L are among those of all elements.
 std::vector<int> FreeParameters(const std::vector<bool>& free);
 
-// First lags of ranges for LagSums(), and the end of the last: each sample at
-// first, then `per_octave` ranges an octave, until `longest` is in one.
-std::vector<int> LagRanges(int longest, int per_octave);
+// First lags of ranges for LagSums(), and the end of the last: 1, 2, 4, …,
+// until `longest` is in one.
+std::vector<int> LagRanges(int longest);
 
 class OutputErrorProblem {
  public:

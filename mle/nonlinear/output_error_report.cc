@@ -96,19 +96,6 @@ double NoiseEstimate::colour_memory() const {
   return colour_ratio > 0.0 ? -1.0 / std::log(colour_pole) : 0.0;
 }
 
-void OutputErrorFit::TakeOutput(const OutputErrorFit& other, int output) {
-  const int m = model.num_inputs();
-  for (int j = 0; j < m; ++j) {
-    model.element(output, j) = other.model.element(output, j);
-    elements[output * m + j] = other.elements[output * m + j];
-  }
-  covariances[output] = other.covariances[output];
-  noise[output] = other.noise[output];
-  certificates[output] = other.certificates[output];
-  spared_samples[output] = other.spared_samples[output];
-  deviances[output] = other.deviances[output];
-}
-
 StepResponse OutputErrorFit::StepResponseErrors(double sample_time,
                                                 int samples) const {
   const int m = model.num_inputs();

@@ -161,13 +161,13 @@ struct Contrast {
   double statistic = 0.0;
   // Degrees of freedom: the rank that the second has more.
   int degrees = 0;
-  Eigen::VectorXd coefficients;  // of the columns that it has besides
 };
 
 // `null`, of restricted likelihood; and with the columns (of each segment,
-// rows × k) besides. `noise`, of a fit in which nothing was wrong but what the
-// columns show, or null: where that has no colour none is sought, and the
-// search begins there.
+// rows × k) besides, under the colour of the second and the larger of the two
+// ratios that restricted likelihood finds: one ratio for each would let the
+// second explain slow drift and then call the noise white, and with weak drift
+// every fourth test would raise a false alarm of one in a hundred.
 Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              const std::vector<Eigen::MatrixXd>& columns,
                              bool estimate_drift);

@@ -102,34 +102,6 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
 
 namespace {
 
-// Both under the colour of the alternative and the larger of the two ratios
-// that restricted likelihood finds. Likelihood that takes a ratio for each
-// would let the alternative explain slow drift and then call the noise white:
-// with weak drift every fourth test would raise a false alarm of one in a
-// hundred.
-Contrast AtOneRatio(const ShapeLikelihood& null,
-                    const ShapeLikelihood& alternative, const NoiseShape& start,
-                    bool search_colour, bool estimate_drift) {
-  Profile with =
-      FindBestShape(alternative, start, estimate_drift, search_colour);
-  NoiseShape shape = with.shape;
-  NoiseShape of_null = shape;
-  of_null.ratio = std::max(shape.ratio, start.ratio);
-  of_null = FindBestShape(null, of_null, estimate_drift,
-                          /*search_colour=*/false)
-                .shape;
-  if (of_null.ratio > shape.ratio) {
-    shape.ratio = of_null.ratio;
-    with = alternative.At(shape);
-  }
-  const Profile without = null.At(shape);
-  return {.statistic =
-              std::max(without.squares - with.squares, 0.0) / with.variance(),
-          .degrees = with.rank - without.rank,
-          .coefficients = with.coefficients.tail(with.coefficients.size() -
-                                                 without.coefficients.size())};
-}
-
 // Both under `shape`, that of the alternative, and every ρ that is possible for
 // it: the null's own shape would hold the error of its model, and excuse it.
 // The sum is the ratio of likelihoods integrated over ρ on both sides, with
@@ -182,8 +154,21 @@ Contrast OverRatios(const ShapeLikelihood& null,
 Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              const std::vector<MatrixXd>& columns,
                              bool estimate_drift) {
-  return AtOneRatio(null, null.With(columns), NoiseShape(),
-                    /*search_colour=*/true, estimate_drift);
+  const ShapeLikelihood alternative = null.With(columns);
+  Profile with = FindBestShape(alternative, NoiseShape(), estimate_drift,
+                               /*search_colour=*/true);
+  const double of_null = FindBestShape(null, with.shape, estimate_drift,
+                                       /*search_colour=*/false)
+                             .shape.ratio;
+  if (of_null > with.shape.ratio) {
+    NoiseShape shape = with.shape;
+    shape.ratio = of_null;
+    with = alternative.At(shape);
+  }
+  const Profile without = null.At(with.shape);
+  return {.statistic =
+              std::max(without.squares - with.squares, 0.0) / with.variance(),
+          .degrees = with.rank - without.rank};
 }
 
 Contrast ContrastWithFit(const OutputErrorProblem& problem,

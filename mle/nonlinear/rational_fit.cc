@@ -25,13 +25,10 @@ constexpr double kLeastStep = 1e-4;
 constexpr int kMaxCandidateMoves = 400;
 // Time constants closer than this are one pole.
 constexpr double kLeastApart = 1.05;
-// A response besides its ramp below this share of the whole is rounding.
-constexpr double kPureRamp = 1e-9;
 
 struct Target {
   VectorXd times;
   VectorXd values;
-  double slope = 0.0;
 };
 
 struct RationalCandidate {
@@ -44,14 +41,6 @@ struct RationalCandidate {
 VectorXd Atom(const VectorXd& times, double delay, double time_constant) {
   return (1.0 - (-(times.array() - delay).max(0.0) / time_constant).exp())
       .matrix();
-}
-
-// The part of the target that settles: less the ramp, which begins after the
-// dead time.
-VectorXd WithoutRamp(const Target& target, double delay) {
-  if (target.slope == 0.0) return target.values;
-  return target.values -
-         target.slope * (target.times.array() - delay).max(0.0).matrix();
 }
 
 bool Distinct(const std::vector<double>& time_constants) {
@@ -74,9 +63,8 @@ void Solve(const Target& target, RationalCandidate& candidate) {
         Atom(target.times, candidate.delay, candidate.time_constants[i]);
   }
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(atoms);
-  const VectorXd values = WithoutRamp(target, candidate.delay);
-  candidate.weights = qr.solve(values);
-  candidate.squares = (values - atoms * candidate.weights).squaredNorm();
+  candidate.weights = qr.solve(target.values);
+  candidate.squares = (target.values - atoms * candidate.weights).squaredNorm();
 }
 
 RationalCandidate AddPole(const Target& target, const RationalCandidate& base,
@@ -117,9 +105,8 @@ void RefineCandidate(const Target& target, const std::vector<double>& grid,
   }
 }
 
-// Σ c_i Π_{k≠i} (τ_k s + 1) over Π (τ_i s + 1), highest power first, and R/s.
-TransferFunction ToTransferFunction(const RationalCandidate& fit,
-                                    double slope) {
+// Σ c_i Π_{k≠i} (τ_k s + 1) over Π (τ_i s + 1), highest power first.
+TransferFunction ToTransferFunction(const RationalCandidate& fit) {
   const auto times_pole = [](const std::vector<double>& polynomial,
                              double time_constant) {
     std::vector<double> product(polynomial.size() + 1, 0.0);
@@ -139,11 +126,6 @@ TransferFunction ToTransferFunction(const RationalCandidate& fit,
       if (k != i) part = times_pole(part, fit.time_constants[k]);
     }
     for (std::size_t k = 0; k < n; ++k) numerator[k] += part[k];
-  }
-  if (slope != 0.0) {
-    numerator.push_back(0.0);
-    for (std::size_t k = 0; k <= n; ++k) numerator[k] += slope * denominator[k];
-    denominator.push_back(0.0);
   }
   return TransferFunction(std::move(numerator), std::move(denominator),
                           fit.delay);
@@ -175,10 +157,6 @@ absl::Status RationalOptions::Validate() const {
         absl::StrCat("rational fit: dead times from ", min_delay, " to ",
                      max_delay, ", must be finite, ordered and at least 0"));
   }
-  if (!std::isfinite(slope)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("rational fit: slope is ", slope, ", must be finite"));
-  }
   if (max_order < 1) {
     return absl::InvalidArgumentError(absl::StrCat(
         "rational fit: max_order is ", max_order, ", must be at least 1"));
@@ -205,7 +183,7 @@ absl::StatusOr<RationalFit> FitRational(
   if (step_response.isZero(0.0)) return RationalFit();
   const Eigen::Index stride = (n + kMaxPoints - 1) / kMaxPoints;
   const Eigen::Index points = (n + stride - 1) / stride;
-  Target target = {VectorXd(points), VectorXd(points), options.slope};
+  Target target = {VectorXd(points), VectorXd(points)};
   for (Eigen::Index i = 0; i < points; ++i) {
     target.times(i) = sample_time * static_cast<double>(i * stride);
     target.values(i) = step_response(i * stride);
@@ -217,8 +195,7 @@ absl::StatusOr<RationalFit> FitRational(
     grid.push_back(shortest * std::pow(horizon / shortest,
                                        i / double{kRationalTimeConstants - 1}));
   }
-  const double size = std::max(WithoutRamp(target, 0.0).norm(),
-                               kPureRamp * target.values.norm());
+  const double size = target.values.norm();
   RationalCandidate best;
   for (int order = 1; order <= options.max_order; ++order) {
     RationalCandidate candidate = FitOrder(target, grid, options, order);
@@ -226,13 +203,11 @@ absl::StatusOr<RationalFit> FitRational(
     if (std::sqrt(best.squares) <= options.tolerance * size) break;
   }
   RationalFit fit;
-  fit.element = ToTransferFunction(best, options.slope);
-  const VectorXd ramp = options.slope * VectorXd::LinSpaced(n, 0.0, horizon);
-  fit.relative_error =
-      (step_response -
-       fit.element.StepResponse(sample_time, static_cast<int>(n)))
-          .norm() /
-      std::max((step_response - ramp).norm(), kPureRamp * step_response.norm());
+  fit.element = ToTransferFunction(best);
+  fit.relative_error = (step_response - fit.element.StepResponse(
+                                            sample_time, static_cast<int>(n)))
+                           .norm() /
+                       step_response.norm();
   return fit;
 }
 

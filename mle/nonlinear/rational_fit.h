@@ -1,13 +1,12 @@
 // A transfer function of low order with dead time for a sampled step response
 // y_k, k = 0 … N, of any shape:
 //
-//   g(s) = e^{−Ls} (R/s + Σ_i c_i / (τ_i s + 1)),   i = 1 … n,
+//   g(s) = e^{−Ls} Σ_i c_i / (τ_i s + 1),   i = 1 … n,
 //
-// with a given slope R that the response ends in (0: it settles), least squares
-// over c_i, τ_i > 0 and L, with the smallest n that leaves no more than a
-// stated share of the response less the ramp R t, up to a largest n. Real poles
-// of any sign of c_i describe lags, leads, inverse responses and overshoots,
-// not oscillations.
+// least squares over c_i, τ_i > 0 and L, with the smallest n that leaves no
+// more than a stated share of the response, up to a largest n. Real poles of
+// any sign of c_i describe lags, leads, inverse responses and overshoots, not
+// oscillations.
 //
 //   MLE_ASSIGN_OR_RETURN(const RationalFit fit,
 //                        FitRational(step, 0.2, RationalOptions()));
@@ -32,8 +31,7 @@ struct RationalOptions {
   double min_delay = 0.0;  // of L, in the unit of Δt, ≥ 0
   double max_delay = 0.0;  // ≥ min_delay
   int max_order = 5;       // n, ≥ 1
-  double slope = 0.0;      // R, per unit of time
-  // ‖y − fit‖ / ‖y − R t‖ at which no pole is added, > 0.
+  // ‖y − fit‖ / ‖y‖ at which no pole is added, > 0.
   double tolerance = 1e-3;
 
   absl::Status Validate() const;
@@ -41,7 +39,7 @@ struct RationalOptions {
 
 struct RationalFit {
   TransferFunction element;
-  double relative_error = 0.0;  // ‖y − fit‖ / ‖y − R t‖
+  double relative_error = 0.0;  // ‖y − fit‖ / ‖y‖
 };
 
 // InvalidArgument if an option is out of range, Δt is not positive, or the

@@ -40,8 +40,8 @@ class ResultFolder {
   bool passing_;  // removed in the end
 };
 
-// Runs what is left of the work in `folder`, and reports the part done as that
-// of `what`. False if `report` stopped it.
+// Runs the work in `folder` that is not done yet, and tells `report` which part
+// of `what` is. False if `report` stopped it.
 absl::StatusOr<bool> RunRemaining(const experiment::Work& work, int threads,
                                   const char* what,
                                   const ProgressCallback& report,

@@ -10,9 +10,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-RationalFit Fit(const TransferFunction& element, double max_delay,
-                const RationalOptions& given = {}) {
-  RationalOptions options = given;
+RationalFit Fit(const TransferFunction& element, double max_delay) {
+  RationalOptions options;
   options.max_delay = max_delay;
   const auto fit = FitRational(element.StepResponse(0.2, 400), 0.2, options);
   EXPECT_TRUE(fit.ok()) << fit.status();
@@ -42,26 +41,6 @@ TEST(RationalFitTest, DescribesLeadsAndInverseResponses) {
     EXPECT_LT(fit.relative_error, 1e-3) << lead;
     EXPECT_TRUE(fit.element.Validate().ok());
   }
-}
-
-TEST(RationalFitTest, DescribesRamps) {
-  // An integrator with a lag, one without, and one with an inverse response.
-  for (const TransferFunction& element :
-       {TransferFunction::Integrator(0.4, 3.0, 1.2),
-        TransferFunction::Integrator(0.4, 0.0, 1.2),
-        TransferFunction({-3.2, -0.2, 0.4}, {8.0, 6.0, 1.0, 0.0}, 1.0)}) {
-    const RationalFit fit = Fit(element, 3.0, {.slope = 0.4});
-    // Of a kink between samples as much is left as they tell.
-    EXPECT_LT(fit.relative_error, 1e-2);
-    EXPECT_TRUE(fit.element.Validate().ok());
-    EXPECT_TRUE(fit.element.IsIntegrating());
-    EXPECT_NEAR(fit.element.StaticGain(), 0.4, 1e-12);
-  }
-  // Nothing but the ramp.
-  const RationalFit ramp =
-      Fit(TransferFunction::Integrator(0.4, 0.0, 0.0), 0.0, {.slope = 0.4});
-  EXPECT_LT(ramp.relative_error, 1e-5);
-  EXPECT_EQ(ramp.element.IntegrationOrder(), 1);
 }
 
 // A response that no five real poles describe is described as well as they can.
