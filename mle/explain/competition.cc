@@ -17,13 +17,6 @@ namespace {
 // parameter that it saves in place of several of its elements.
 constexpr double kParameter = 3.0;
 
-bool AnyTaken(const OutputExplanation& output, bool ageing) {
-  return std::any_of(output.taken.begin(), output.taken.end(),
-                     [ageing](const TakenExplanation& one) {
-                       return IsAgeing(one.explanation.kind) == ageing;
-                     });
-}
-
 // Whether an explanation of input j, of this kind, takes the place of `one`: of
 // another explanation of the input, or of one of its elements that it looks
 // like.
@@ -90,7 +83,7 @@ double EnergyTogether(const std::vector<OutputCompetition*>& outputs, int j,
     std::vector<Explanation> explanations =
         WithoutReplaced(output->Explanations(), one.kind, j);
     explanations.push_back(
-        {one.kind, j, ValueFor(one, tau, output->output().tau())});
+        {one.kind, j, ValueFor(one, tau, output->output().tau()), one.part});
     sum += output->Energy(explanations) / output->unit();
   }
   return sum;
@@ -106,18 +99,21 @@ Together BestTogether(const std::vector<OutputCompetition*>& outputs, int j,
                       const ExplanationType& type, double tau) {
   Together best = {{type.kind, j, 0.0},
                    EnergyTogether(outputs, j, {type.kind, j, 0.0}, tau)};
-  const auto try_value = [&](double value) {
+  const auto try_value = [&](double value, int part) {
     const Explanation one = {type.kind, j,
-                             std::clamp(value, type.lower, type.upper)};
+                             std::clamp(value, type.lower, type.upper), part};
     const double energy = EnergyTogether(outputs, j, one, tau);
     if (energy < best.energy) best = {one, energy};
   };
-  for (const double value : type.start) try_value(value);
+  const int parts = outputs.front()->output().PartsOf(type.kind);
+  for (int part = 0; part < parts; ++part) {
+    for (const double value : type.start) try_value(value, part);
+  }
   double step = 0.5 * std::abs(best.explanation.value);
   for (int i = 0; i < 6; ++i, step *= 0.5) {
-    const double center = best.explanation.value;
-    try_value(center - step);
-    try_value(center + step);
+    const Explanation center = best.explanation;
+    try_value(center.value - step, center.part);
+    try_value(center.value + step, center.part);
   }
   return best;
 }
@@ -161,9 +157,9 @@ void CompeteTogether(const ProcessModel& model, const Competitions& all) {
     }
     if (!(most > 0.0)) continue;
     for (OutputCompetition* output : outputs) {
-      output->Compete(
-          {{best.explanation.kind, j,
-            ValueFor(best.explanation, tau, output->output().tau())}});
+      output->Compete({{best.explanation.kind, j,
+                        ValueFor(best.explanation, tau, output->output().tau()),
+                        best.explanation.part}});
     }
   }
 }
@@ -193,9 +189,6 @@ bool OutputExplanation::HasTie(const Explanation& explanation) const {
     return tie.taken.SameAs(explanation);
   });
 }
-
-bool OutputExplanation::AnyAgeing() const { return AnyTaken(*this, true); }
-bool OutputExplanation::AnyOther() const { return AnyTaken(*this, false); }
 
 Competition::Competition(Competition&&) noexcept = default;
 Competition& Competition::operator=(Competition&&) noexcept = default;

@@ -135,10 +135,8 @@ struct OutputExplanation {
   // The evidence of a fall of E, by `unit` or another M.
   double EvidenceOf(double fall) const { return EvidenceOf(fall, unit); }
   double EvidenceOf(double fall, double by_unit) const;
-  bool AnyAgeing() const;
   // Whether another explanation does as well as one that was taken.
   bool HasTie(const Explanation& explanation) const;
-  bool AnyOther() const;
   // E/N, what known averages do taken off; an explanation may be missing above
   // kMuchLeft.
   double left() const {

@@ -78,29 +78,46 @@ std::vector<Explanation> ExplainedOutput::Applicable(
       continue;
     }
     for (const Element& element : elements_) {
-      const int j = element.input;
-      if (!(ranges_[j] > 0.0)) continue;
-      if (element.in_model == (type.kind == Kind::kNewPath)) {
-        // Of a path that was found its times are estimated, too.
-        bool found = false;
-        ValueOf(taken, Kind::kNewPath, j, &found);
-        if (!found || (type.kind != Kind::kTimeConstant &&
-                       type.kind != Kind::kDeadTime)) {
-          continue;
-        }
+      if (Applies(type.kind, element, taken)) {
+        applicable.push_back({type.kind, element.input, 0.0});
       }
-      const bool lag = element.response.has_time_scale();
-      if (type.kind == Kind::kTimeConstant && !lag) continue;
-      if ((type.kind == Kind::kDirection || type.kind == Kind::kHigherOrder ||
-           type.kind == Kind::kLead) &&
-          (!lag || element.response.order() != 1 ||
-           element.response.is_integrating())) {
-        continue;
-      }
-      applicable.push_back({type.kind, j, 0.0});
     }
   }
   return applicable;
+}
+
+bool ExplainedOutput::Applies(ExplanationKind kind, const Element& element,
+                              const std::vector<Explanation>& taken) const {
+  const int j = element.input;
+  if (!(ranges_[j] > 0.0)) return false;
+  const auto has = [&](Kind one) {
+    bool found = false;
+    ValueOf(taken, one, j, &found);
+    return found;
+  };
+  const ElementResponse& response = element.response;
+  const bool one_lag = response.has_time_scale() && response.order() == 1 &&
+                       !response.is_integrating();
+  switch (kind) {
+    case Kind::kNewPath:
+      return !element.in_model;
+    case Kind::kTimeConstant:
+      // Of a path that was found its times are estimated, too.
+      return response.has_time_scale() &&
+             (element.in_model || has(Kind::kNewPath));
+    case Kind::kDeadTime:
+      return element.in_model || has(Kind::kNewPath);
+    case Kind::kHigherOrder:
+    case Kind::kLead:
+      return element.in_model && one_lag && !has(Kind::kDirection);
+    case Kind::kDirection:
+      return element.in_model && one_lag && !has(Kind::kHigherOrder) &&
+             !has(Kind::kLead);
+    case Kind::kLoadWithSetPoints:
+      return element.in_model && !loads_.empty();
+    default:
+      return element.in_model;
+  }
 }
 
 std::pair<double, double> ExplainedOutput::Bounds(
@@ -184,7 +201,8 @@ absl::StatusOr<TransferFunction> ExplainedOutput::ElementOf(
     int input, const ElementValues& values,
     const std::vector<Explanation>& explanations) const {
   const Element* const element = FindElement(input);
-  if (element == nullptr) return absl::NotFoundError("there is no element");
+  if (element == nullptr)
+    return absl::NotFoundError("the model has no element of this input");
   return Shaped(*element, ShapeOf(values, input, explanations));
 }
 

@@ -61,6 +61,7 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   explained.longest_ = std::max(explained.longest_, explained.sample_time_);
   explained.AddNewPaths(model);
   explained.ChooseRows();
+  explained.FindLoads(model.num_outputs());
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
   }
@@ -144,6 +145,47 @@ void ExplainedOutput::ChooseRows() {
   ranges_ = (high - low).cwiseMax(0.0);
 }
 
+void ExplainedOutput::FindLoads(int set_points) {
+  for (const Record& record : *records_) {
+    if (record.set_points.rows() == 0) return;
+  }
+  for (int i = 0; i < set_points; ++i) {
+    std::vector<VectorXd> moves;  // from the first value
+    double range = 0.0;
+    for (const Record& record : *records_) {
+      const auto row = record.set_points.row(i);
+      VectorXd& moved = moves.emplace_back(VectorXd::Zero(row.size()));
+      double first = kNaN;
+      double last = 0.0;
+      for (Index k = 0; k < row.size(); ++k) {
+        if (std::isfinite(row[k])) {
+          if (std::isnan(first)) first = row[k];
+          last = row[k] - first;
+        }
+        moved[k] = last;
+      }
+      range = std::max(range, moved.maxCoeff() - moved.minCoeff());
+    }
+    if (!(range > 0.0)) continue;
+    for (VectorXd& moved : moves) moved /= range;
+    loads_.push_back(std::move(moves));
+  }
+  if (loads_.size() < 2) return;
+  std::vector<VectorXd> all = loads_.front();
+  for (std::size_t i = 1; i < loads_.size(); ++i) {
+    for (std::size_t r = 0; r < all.size(); ++r) all[r] += loads_[i][r];
+  }
+  for (VectorXd& of : all) of /= static_cast<double>(loads_.size());
+  loads_.push_back(std::move(all));
+}
+
+int ExplainedOutput::PartsOf(ExplanationKind kind) const {
+  if (kind == Kind::kLoadWithSetPoints) {
+    return static_cast<int>(loads_.size());
+  }
+  return mle::PartsOf(kind);
+}
+
 Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
                                          const Key& key) const {
   const auto row = filled_[record].row(input);
@@ -153,6 +195,7 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
   const double slowness = key[6];
   const double play = key[7];
   const double limit = key[8];
+  const double load = key[9];
   if (limit != 0.0) {
     const double highest = v.maxCoeff() - limit * range;
     const double lowest = v.minCoeff() - limit * range;
@@ -180,6 +223,9 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
   if (curve != 0.0) {
     const double distance = std::max(distances_[input], 1e-300);
     v.array() += curve * v.array().square() / distance;
+  }
+  if (load != 0.0) {
+    v += load * range * loads_[static_cast<std::size_t>(key[10])][record];
   }
   return v;
 }
@@ -259,6 +305,9 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
     if (reversed) values.gain *= -std::exp(factor);
     bool limited = false;
     const double rate = ValueOf(explanations, Kind::kRateLimit, j, &limited);
+    int part_of_load = 0;
+    const double load = ValueOf(explanations, Kind::kLoadWithSetPoints, j,
+                                nullptr, &part_of_load);
     const Key key = {values.time_scale,
                      values.delay,
                      shape.second,
@@ -267,7 +316,9 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
                      ValueOf(explanations, Kind::kCurvedInput, j),
                      limited ? std::exp(rate) : 0.0,
                      ValueOf(explanations, Kind::kBacklash, j),
-                     ValueOf(explanations, Kind::kSaturation, j)};
+                     ValueOf(explanations, Kind::kSaturation, j),
+                     load,
+                     load != 0.0 ? static_cast<double>(part_of_load) : 0.0};
     const std::vector<VectorXd>& responses = ResponseOf(e, key);
     int part = 0;
     const double change =
@@ -312,7 +363,7 @@ absl::StatusOr<VectorXd> ExplainedOutput::ResidualOf(
   for (const Record& record : *records_) {
     z.push_back(VectorXd::Zero(record.samples()));
   }
-  constexpr Key kAsRecorded = {0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+  constexpr Key kAsRecorded = {0.0, 0.0, 0.0, 0.0, 1.0};
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (model.element(output_, j).IsZero()) continue;
     MLE_ASSIGN_OR_RETURN(const ElementResponse response,

@@ -59,6 +59,9 @@ class ExplainedOutput {
   bool has_lag(int input) const;
   // The time constants of the row.
   std::vector<double> time_constants() const;
+  // Parts of an explanation that are tried: a load follows one set point that
+  // moves, or all.
+  int PartsOf(ExplanationKind kind) const;
 
   // The explanations that may be tried here beside those taken: a row of the
   // table for each element, input or the output that it applies to, θ = 0.
@@ -106,9 +109,9 @@ class ExplainedOutput {
     double lead = 0.0;
   };
   // The values that a response depends on: T, L, the second lag, the lead, the
-  // ratio of the lag downwards, and the input's curve, rate, backlash and
-  // limit.
-  using Key = std::array<double, 9>;
+  // ratio of the lag downwards, and the input's curve, rate, backlash, limit,
+  // load with set points and its part.
+  using Key = std::array<double, 11>;
   struct Cached {
     Key key;
     std::vector<Eigen::VectorXd> response;  // of each record, for K = 1
@@ -116,12 +119,15 @@ class ExplainedOutput {
 
   ExplainedOutput() = default;
   const Element* FindElement(int input) const;
+  bool Applies(ExplanationKind kind, const Element& element,
+               const std::vector<Explanation>& taken) const;
   void AddNewPaths(const ProcessModel& model);
   static Shape ShapeOf(const ElementValues& values, int input,
                        const std::vector<Explanation>& explanations);
   static absl::StatusOr<TransferFunction> Shaped(const Element& element,
                                                  const Shape& shape);
   void ChooseRows();
+  void FindLoads(int set_points);
   std::vector<Eigen::VectorXd> Simulate(const Element& element,
                                         const Key& key) const;
   const std::vector<Eigen::VectorXd>& ResponseOf(int element,
@@ -146,6 +152,9 @@ class ExplainedOutput {
   std::vector<Eigen::MatrixXd> filled_;
   Eigen::VectorXd ranges_;
   Eigen::VectorXd distances_;
+  // What a load that comes with set points may follow, in each record: one that
+  // moves, from its first value and by its range, and last the mean of all.
+  std::vector<std::vector<Eigen::VectorXd>> loads_;
   double output_range_ = 1.0;
   double total_samples_ = 1.0;
   std::size_t cache_size_ = 4;

@@ -14,6 +14,7 @@ using Place = ExplanationPlace;
 constexpr double kUsual = 0.0;
 constexpr double kRarer = 0.6;
 constexpr double kRare = 1.0;
+constexpr double kRarest = 2.0;
 
 }  // namespace
 
@@ -185,6 +186,16 @@ const std::vector<ExplanationType>& ExplanationTable() {
        "the time stamps of %s are early or late",
        "The clock of its tag would settle it: declare its sampling (late_by) "
        "where it is known."},
+      {Kind::kLoadWithSetPoints,
+       "load_with_set_points",
+       Place::kInput,
+       kRarest,
+       {-1.0, -0.4, 0.4, 1.0},
+       -3.0,
+       3.0,
+       "something that no record shows acts as %s does, whenever set points "
+       "are moved",
+       "A measurement of what was moved with the set points would settle it."},
   };
   return *table;
 }

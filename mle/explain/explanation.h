@@ -39,6 +39,7 @@ enum class ExplanationKind {
   kBacklash,     // follows only beyond a gap θ w
   kSaturation,   // the highest (θ > 0) or lowest |θ| w are not reached
   kInputClock,   // every L of the input + θ τ/2; of several outputs together
+  kLoadWithSetPoints,  // v + θ w s, s as of Explanation::part, behind all else
 };
 
 enum class ExplanationPlace { kElement, kOutput, kInput };
@@ -77,7 +78,8 @@ bool IsHeld(ExplanationKind kind);
 inline constexpr int kParts = 8;
 // Time constants of a new path.
 inline constexpr int kPathLags = 3;
-// Parts that are tried of a kind; 1 of most.
+// Parts that are tried of a kind; 1 of most. Of kLoadWithSetPoints it depends
+// on the records (explained_output.h).
 int PartsOf(ExplanationKind kind);
 
 // Of a change of this shape, what holds at a time (0: the first sample of the
@@ -89,7 +91,8 @@ struct Explanation {
   ExplanationKind kind = ExplanationKind::kGain;
   int index = 0;
   double value = 0.0;  // θ
-  int part = 0;        // of kChangeDuringRecord and kNewPath
+  // Of kChangeDuringRecord, kNewPath and kLoadWithSetPoints: which of them.
+  int part = 0;
 
   bool SameAs(const Explanation& other) const {
     return kind == other.kind && index == other.index;

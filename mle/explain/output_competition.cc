@@ -10,6 +10,7 @@
 #include "mle/base/status.h"
 #include "mle/data/sampling.h"
 #include "mle/explain/feedback.h"
+#include "mle/explain/held_out_errors.h"
 #include "mle/explain/several_steps.h"
 
 namespace mle {
@@ -122,7 +123,7 @@ MatrixXd OutputCompetition::Jacobian(
   return JacobianOf(
       output_,
       [this](const std::vector<Explanation>& at) { return ValueAt(at, all_); },
-      explanations);
+      explanations, ValueAt(explanations, all_));
 }
 
 OutputCompetition::Fit OutputCompetition::Estimate(
@@ -157,7 +158,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
     const auto [lower, upper] = output_.Bounds(one);
     Fit best;
     best.score = std::numeric_limits<double>::infinity();
-    for (int part = 0; part < PartsOf(one.kind); ++part) {
+    for (int part = 0; part < output_.PartsOf(one.kind); ++part) {
       for (const double start : TypeOf(one.kind).start) {
         if (start < lower || start > upper) continue;
         std::vector<Explanation> with = taken;
@@ -400,11 +401,11 @@ void OutputCompetition::FitTogether() {
     const Chance chance = ChanceOf({fit.explanations}, directions_);
     const double evidence = EvidenceOf(energy_ - energy, chance.unit);
     if (!(evidence > std::min(kExpected, options_.evidence)) ||
-        !AllFall(fit.held_out, HeldOut(), OpenLoop() ? 1.0 : kFarBetter)) {
+        !AllFall(fit.held_out, held_out_, OpenLoop() ? 1.0 : kFarBetter)) {
       continue;
     }
     together_ = true;
-    held_out_together_ = std::move(fit.held_out);
+    held_out_ = std::move(fit.held_out);
     covariance_together_ = std::move(fit.covariance);
     taken_.clear();
     ties_.clear();
@@ -421,7 +422,7 @@ void OutputCompetition::FitTogether() {
 void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   ties_.clear();
   together_ = false;
-  held_out_together_.clear();
+  held_out_.clear();
   Forward(given);
   Backward(given.size());
   for (int round = 0; round < kRounds && Exchange(given.size()); ++round) {
@@ -432,6 +433,12 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   chance_ = last.energy;
   unit_ = last.unit;
   FindTies();
+  if (!taken_.empty()) {
+    held_out_ =
+        HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
+          return Estimate(Explanations(), weights).explanations;
+        });
+  }
   FitTogether();
   TakeForClock();
   // Explanations that were given, or that came by exchange, have no evidence

@@ -93,8 +93,6 @@ class OutputCompetition {
   bool Exchange(std::size_t given);
   // All elements at once, where much is left (several_steps.h).
   void FitTogether();
-  // Errors held out of what was taken.
-  std::vector<HorizonErrors> HeldOut() const;
   void FindTies();
   void TakeForClock();
   // Cost of an improbability of one: N, for instruments that are not in parts.
@@ -112,9 +110,9 @@ class OutputCompetition {
   std::vector<TakenExplanation> next_;
   std::vector<OutputExplanation::Tie> ties_;
   Eigen::MatrixXd directions_;
-  // What was taken is that fit, with its errors held out and Cov θ̂.
+  std::vector<HorizonErrors> held_out_;  // of what was taken
+  // What was taken is that fit, with its Cov θ̂.
   bool together_ = false;
-  std::vector<HorizonErrors> held_out_together_;
   Eigen::MatrixXd covariance_together_;
   double independent_ = 1.0;  // n, of the placebos
   double initial_energy_ = 0.0;

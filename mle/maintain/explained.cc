@@ -255,10 +255,13 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   // Whether all that won can be held by a corrected model.
   bool correctable = true;
   bool any_other = false;
-  bool reversed = false;
+  // A sign is a mistake of configuration, not to be corrected by the others;
+  // and where a load comes with set points, these drive more than the plant.
+  bool misled = false;
   for (const TakenExplanation& one : output.taken) {
     const ExplanationKind kind = one.explanation.kind;
-    reversed = reversed || kind == ExplanationKind::kReversed;
+    misled = misled || kind == ExplanationKind::kReversed ||
+             kind == ExplanationKind::kLoadWithSetPoints;
     if (IsHeld(kind)) continue;
     if (!any_other) evidence.code = CodeOf(kind);
     any_other = true;
@@ -271,8 +274,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     absl::StrAppend(&evidence.other, evidence.other.empty() ? "" : " ",
                     contested);
   }
-  // A sign is a mistake of configuration, not to be corrected by the others.
-  evidence.ageing = evidence.ageing && !reversed;
+  evidence.ageing = evidence.ageing && !misled;
   evidence.tie = Ties(candidates.initial, output, i);
   evidence.left = output.left();
   if (evidence.ageing) {
@@ -306,10 +308,10 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     const bool better =
         contested.empty() && evidence_from(output.remaining) > most;
     evidence.allows_proposal =
-        explains && !reversed && correctable &&
+        explains && !misled && correctable &&
         energy < output.remaining + kAgrees * output.unit;
     evidence.confirms_proposal =
-        (explains && !reversed && (better || output.taken.empty())) ||
+        (explains && !misled && (better || output.taken.empty())) ||
         (evidence.allows_proposal && !output.together &&
          (NumProposed(candidates, i) < output.taken.size() || same ||
           !evidence.tie.empty() || !evidence.predicts_better));

@@ -34,6 +34,9 @@ struct Happening {
   std::function<double(int output, double z)> output = [](int, double z) {
     return z;
   };
+  // What acts beside an input and is not recorded.
+  std::function<double(int input, const Eigen::Vector2d& set_points)> load =
+      [](int, const Eigen::Vector2d&) { return 0.0; };
   double noise = 0.02;
   double drift = 0.01;  // increments of a random walk, AR(1) with 0.98
   int samples = 1600;
@@ -72,7 +75,8 @@ inline Record CloseLoops(const ProcessModel& plant, unsigned seed,
       const double gain = j == 0 ? 0.8 : 1.0;
       integral[j] += gain * error / (j == 0 ? 10.0 : 8.0);
       record.inputs(j, k) = gain * error + integral[j];
-      got(j, k) = happening.input(j, record.inputs(j, k));
+      got(j, k) =
+          happening.input(j, record.inputs(j, k)) + happening.load(j, target);
     }
     // Held from this sample to the next, exactly.
     for (int i = 0; i < 2; ++i) {

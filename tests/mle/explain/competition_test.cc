@@ -113,6 +113,19 @@ TEST(CompetitionTest, WhatHappenedToTheRecordIsNoAgeing) {
             Codes{"rate_limit"});
 }
 
+// What no record shows, and follows a set point.
+TEST(CompetitionTest, ALoadThatComesWithSetPointsIsNoAgeing) {
+  Happening feed;
+  feed.load = [](int input, const Eigen::Vector2d& set_points) {
+    return input == 0 ? 0.4 * set_points[1] : 0.0;
+  };
+  const Competition competition = Compete({CloseLoops(TwoLoops(), 3, feed)});
+  for (const OutputExplanation& output : competition.outputs()) {
+    ASSERT_EQ(Taken(output), Codes{"load_with_set_points"});
+    EXPECT_EQ(output.taken[0].explanation.index, 0);
+  }
+}
+
 // Late samples of an input are one clock, not two dead times; an output's too.
 TEST(CompetitionTest, AClockOfATagIsOneExplanation) {
   Happening quiet;
