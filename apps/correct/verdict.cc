@@ -130,6 +130,7 @@ std::string RangeOfFits(const std::vector<OutputScores>& outputs,
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const OutputScores& output : outputs) {
+    if (std::isnan(output.several_steps.corrected)) continue;
     low = std::min(low, fit_of(output.several_steps));
     high = std::max(high, fit_of(output.several_steps));
   }
@@ -242,6 +243,7 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
   std::vector<std::string> parts;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const OutputScores& output = validation.outputs[i];
+    if (std::isnan(output.several_steps.corrected)) continue;
     const std::string& name = result.initial.outputs()[i].name;
     parts.push_back(absl::StrCat(
         name, " ", PercentInWords(output.several_steps.corrected), " (",
@@ -253,6 +255,7 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
     findings.push_back({"fit_simulated", name, output.simulated.corrected, "%",
                         kNaN, kNaN, ""});
   }
+  if (parts.empty()) return;
   findings[first].text = absl::StrCat(
       "Fit on parts of windows held out, ", Ahead(result),
       ", corrected (controller's model): ", absl::StrJoin(parts, "; "), ".");
@@ -287,11 +290,27 @@ std::string WhatItIsWorth(const Result& result) {
   if (result.decision == Decision::kNoChange) return Confirmation(result);
   if (!result.validation.held_out) return "";
   const std::vector<OutputScores>& outputs = result.validation.outputs;
-  return absl::StrCat(
-      "On held-out data the correction has a fit of ",
-      RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
-      Ahead(result), ", the controller's model ",
-      RangeOfFits(outputs, [](const auto& o) { return o.initial; }), ".");
+  std::vector<std::string> sentences;
+  if (std::any_of(outputs.begin(), outputs.end(), [](const auto& output) {
+        return !std::isnan(output.several_steps.corrected);
+      })) {
+    sentences.push_back(absl::StrCat(
+        "On held-out data the correction has a fit of ",
+        RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
+        Ahead(result), ", the controller's model ",
+        RangeOfFits(outputs, [](const auto& o) { return o.initial; }), "."));
+  }
+  // Of what the likelihood did not propose.
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    if (result.accepted_outputs[i] != Acceptance::kExplained) continue;
+    for (const Message& reason : result.reasons) {
+      if (reason.code == MessageCode::kPredictsBetter &&
+          reason.place == result.initial.outputs()[i].name) {
+        sentences.push_back(reason.text);
+      }
+    }
+  }
+  return absl::StrJoin(sentences, " ");
 }
 
 bool HasMoved(const ParameterEstimate& estimate) {

@@ -139,10 +139,33 @@ void NoteHorizon(CorrectionResult& result) {
        {"response_horizon"}});
 }
 
+// Scores are of the likelihood's proposal. They say nothing of an output of
+// which the instruments' estimate is taken in its place, and one that keeps its
+// model predicts as it did.
+void KeepScoresOfAccepted(const Verdict& verdict, Validation& validation) {
+  if (verdict.decision != Decision::kCorrected) return;
+  const auto keep = [&](std::vector<OutputScores>& scores) {
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      if (verdict.outputs[i] == Acceptance::kProposal) continue;
+      for (HorizonScore* const score :
+           {&scores[i].one_step, &scores[i].several_steps,
+            &scores[i].simulated}) {
+        *score = {.initial = score->initial};
+        if (verdict.outputs[i] == Acceptance::kNothing) {
+          score->corrected = score->initial;
+        }
+      }
+    }
+  };
+  keep(validation.outputs);
+  for (std::vector<OutputScores>& window : validation.windows) keep(window);
+}
+
 absl::StatusOr<CorrectionResult> Build(Candidates candidates,
                                        Validation validation, Verdict verdict) {
   MLE_ASSIGN_OR_RETURN(Estimate estimate, TakeAccepted(candidates, verdict));
   const int order = OrderOfModel(candidates);
+  KeepScoresOfAccepted(verdict, validation);
   CorrectionResult result;
   result.initial = std::move(candidates.initial);
   result.options = std::move(candidates.options);

@@ -108,7 +108,9 @@ struct CorrectionResult {
   // The proposal by gains, time constants and dead times, with their values; it
   // stays here whatever of it is taken.
   OutputErrorFit proposed;
-  // Scores of each output at each horizon, where records were held out.
+  // Scores of each output at each horizon, where records were held out: of the
+  // proposal, unless something else of an output is taken (NaN; `explanations`
+  // have errors held out), or nothing of it while others are (as it was).
   Validation validation;
   int max_lag = 0;                                  // of the diagnostics
   std::vector<ResidualReport> initial_residuals;    // p

@@ -72,11 +72,32 @@ TEST(ExplainedTest, AGainThatChangedDuringTheRecordIsHandedOverAsItIsNow) {
   EXPECT_EQ(result.accepted_outputs[0], Acceptance::kExplained);
   EXPECT_NEAR(result.model.element(0, 0).StaticGain(), 1.2, 0.12);
   EXPECT_EQ(result.model.element(1, 1).StaticGain(), 1.5);
+  // Scores are of what is taken: here of another estimate, and of the model.
+  EXPECT_TRUE(result.validation.held_out);
+  const std::vector<OutputScores>& scores = result.validation.outputs;
+  EXPECT_TRUE(std::isnan(scores[0].simulated.corrected));
+  EXPECT_EQ(scores[1].simulated.corrected, scores[1].simulated.initial);
   const std::string& reason = result.reasons.back().text;
   EXPECT_NE(reason.find("gain of level ← valve changed during the record and "
                         "is × 0."),
             std::string::npos)
       << reason;
+}
+
+// What comes with set points is not the plant's alone: nothing is corrected.
+TEST(ExplainedTest, ALoadThatComesWithSetPointsCannotTell) {
+  Happening feed;
+  feed.load = [](int input, const Eigen::Vector2d& set_points) {
+    return input == 0 ? 0.4 * set_points[1] : 0.0;
+  };
+  ProcessModel plant = TwoLoops();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 10.0, 2.0);
+  const CorrectionResult result = Correct({CloseLoops(plant, 3, feed)});
+  EXPECT_EQ(result.decision, Decision::kCannotTell);
+  EXPECT_EQ(result.model.element(0, 0).StaticGain(), 2.0);
+  EXPECT_NE(result.reasons.back().text.find("acts as valve does"),
+            std::string::npos)
+      << result.reasons.back().text;
 }
 
 TEST(ExplainedTest, WhatIsLeftOutExplainsNothing) {
