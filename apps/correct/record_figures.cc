@@ -195,10 +195,14 @@ report::NamedFigure PredictionFigure(const Result& result) {
   const EstimateFit& fit = result.estimate.fit;
   report::NamedFigure named =
       NewFigure("predictions",
-                "Measured outputs and simulations of both models from the "
-                "inputs alone, in all windows, one after the other (the "
-                "corrected model was fitted to these windows).",
-                model.num_outputs(), 1, 5.0);
+                result.accepted()
+                    ? "Measured outputs and simulations of both models from "
+                      "the inputs alone, in all windows, one after the other "
+                      "(the corrected model was fitted to these windows)."
+                    : "Measured outputs and what the controller's model makes "
+                      "of the inputs alone, in all windows, one after the "
+                      "other.",
+                model.num_outputs(), 1, 3.4);
   for (int i = 0; i < model.num_outputs(); ++i) {
     Panel& panel = named.figure.AddPanel(model.outputs()[i].name);
     panel.y.label = UnitOr(model.outputs()[i].unit, "measured");
