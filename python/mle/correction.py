@@ -66,7 +66,8 @@ class CorrectionResult:
     """
 
     _ATTRIBUTES = (
-        "initial _short _details _json _files _as_given _responses reasons notes warnings failures usable"
+        "initial _short _details _json _files _as_given _responses reasons notes warnings failures "
+        "usable"
     ).split()
 
     initial: ProcessModel

@@ -66,6 +66,12 @@ def draw_comparison(comparison: Any, axes: Any) -> Any:
                 axis.plot(frames[k][output], color=f"C{line}", lw=1, label=label)
         axis.set_ylabel(output)
         axis.legend(fontsize="small", loc="upper right")
+    if comparison.measured[0].index.dtype.kind == "M":
+        from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+
+        locator = AutoDateLocator()
+        axes[-1, 0].xaxis.set_major_locator(locator)
+        axes[-1, 0].xaxis.set_major_formatter(ConciseDateFormatter(locator))
     axes[-1, 0].set_xlabel("time")
     return figure
 
@@ -76,7 +82,8 @@ def draw_residuals(residuals: Any, axes: Any) -> Any:
     inputs = list(residuals.p_values.columns[1:])
     figure, axes = _panels(axes, len(outputs), 1 + len(inputs), "col")
     for i, output in enumerate(outputs):
-        parts = [(residuals.autocorrelation[output], residuals.autocorrelation_limits[output], "itself")]
+        limit = residuals.autocorrelation_limits[output]
+        parts = [(residuals.autocorrelation[output], limit, "itself")]
         parts += [
             (
                 residuals.cross_correlation[(output, name)],
