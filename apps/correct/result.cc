@@ -91,16 +91,21 @@ absl::Status WarnOfDifferences(Result& result) {
 // Messages of one kind from which on they are told as one.
 constexpr std::size_t kTogether = 3;
 
-// Of messages about a window each; null for others.
-const char* OfSeveralWindows(MessageCode code) {
+// Of messages about a window or an output each, behind their number; null for
+// others.
+const char* OfSeveral(MessageCode code) {
   switch (code) {
     case MessageCode::kWindowNotAtRest:
-      return "are not at rest where they should be; unmeasured disturbances "
+      return "windows are not at rest where they should be; unmeasured "
+             "disturbances "
              "widen the intervals.";
     case MessageCode::kWindowCut:
-      return "are cut to their longest parts without missing inputs.";
+      return "windows are cut to their longest parts without missing inputs.";
     case MessageCode::kWindowDropped:
-      return "are left out.";
+      return "windows are left out.";
+    case MessageCode::kUnmeasured:
+      return "outputs have samples as far from the model's prediction as "
+             "outliers, which are too many to be outliers and are used.";
     default:
       return nullptr;
   }
@@ -200,16 +205,15 @@ std::vector<std::string> ShownTogether(const std::vector<Message>& messages) {
                  [&](const Message& other) {
                    return other.code == message.code && !other.place.empty();
                  });
-    const char* const words = OfSeveralWindows(message.code);
+    const char* const words = OfSeveral(message.code);
     if (words == nullptr || message.place.empty() || alike.size() < kTogether) {
       texts.push_back(Shown(message));
     } else if (std::count(told.begin(), told.end(), message.code) == 0) {
       told.push_back(message.code);
       Message all = message;
-      all.text =
-          absl::StrCat(alike.size(), " windows ", words,
-                       " Among them: ", absl::AsciiStrToLower(alike[0].place),
-                       ", ", absl::AsciiStrToLower(alike[1].place), ".");
+      all.text = absl::StrCat(alike.size(), " ", words,
+                              " Among them: ", alike[0].place, ", ",
+                              alike[1].place, ".");
       texts.push_back(Shown(all));
     }
   }

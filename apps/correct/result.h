@@ -101,7 +101,7 @@ void NameFlags(RecordData& data);
 std::string Shown(const Message& message);
 
 // The same of each, but one for all windows that are not at rest, cut or left
-// out, where these are more than two.
+// out, and for all outputs with many outliers, where these are more than two.
 std::vector<std::string> ShownTogether(const std::vector<Message>& messages);
 
 }  // namespace mle::correct

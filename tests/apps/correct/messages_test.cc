@@ -24,8 +24,8 @@ TEST(MessagesTest, ManyOfOneKindAreOne) {
   EXPECT_THAT(
       ShownTogether({OfWindow(1), other, OfWindow(2), OfWindow(5)}),
       ElementsAre("3 windows are not at rest where they should be; unmeasured "
-                  "disturbances widen the intervals. Among them: window 1, "
-                  "window 2.",
+                  "disturbances widen the intervals. Among them: Window 1, "
+                  "Window 2.",
                   "u1 sticks. (--tags)"));
 }
 
