@@ -2,23 +2,25 @@
 
 #include <sys/resource.h>
 
+#include <filesystem>
 #include <iostream>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
 #include "apps/common/password_prompt.h"
+#include "apps/common/process_faults.h"
 #include "apps/common/progress.h"
 #include "apps/correct/data_sources.h"
+#include "apps/correct/prospects.h"
 #include "apps/correct/report.h"
 #include "apps/correct/request.h"
 #include "apps/correct/result.h"
-#include "apps/report/table.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
@@ -107,43 +109,9 @@ std::string DescribeProposals(const std::vector<TagProposal>& proposals,
 
 // "kind: text", on standard error.
 void PrintMessages(const char* kind, const std::vector<Message>& messages) {
-  for (const Message& message : messages) {
-    std::cerr << kind << ": " << Shown(message) << "\n";
+  for (const std::string& text : ShownTogether(messages)) {
+    std::cerr << kind << ": " << text << "\n";
   }
-}
-
-void PrintDetails(const Result& result) {
-  PrintMessages("warning", result.warnings);
-  std::cout << "\n";
-  for (const std::string& sentence : result.verdict) {
-    std::cout << sentence << "\n";
-  }
-  for (const std::string& sentence : Sentences(result.findings)) {
-    std::cout << "  " << sentence << "\n";
-  }
-  std::cout << "\n"
-            << IntervalNote(result) << "\n\n"
-            << report::RenderText(MismatchTable(result)) << "\n"
-            << report::RenderText(ParameterTable(result)) << "\n"
-            << report::RenderText(ValidationTable(result)) << "\n"
-            << report::RenderText(ResidualTable(result)) << "\nWhat to do\n";
-  for (const std::string& item : result.advice) {
-    std::cout << "  " << item << "\n";
-  }
-  if (result.tuning.heading.empty()) return;
-  std::cout << "\n" << result.tuning.heading << "\n";
-  for (const std::string& reason : result.tuning.reasons) {
-    std::cout << "  " << reason << "\n";
-  }
-}
-
-// The records alone, for --dry_run.
-void PrintData(const RecordData& data, const std::vector<DataFile>& files,
-               const ProcessModel& model) {
-  std::cout << report::RenderText(FileTable(data, files, model)) << "\n"
-            << report::RenderText(ChannelTable(data, model)) << "\n"
-            << report::RenderText(WindowTable(data, model)) << "\n";
-  for (const Message& note : data.notes) std::cout << Shown(note) << "\n";
 }
 
 // On standard error: the most memory that the process has used so far.
@@ -161,7 +129,10 @@ void PrintResult(const Result& result) {
   for (const std::string& line : ShortVerdict(result)) {
     std::cout << line << "\n";
   }
-  if (result.request.verbose) PrintDetails(result);
+  std::cout << WhereTheRestIs(result) << "\n";
+  if (!result.request.verbose) return;
+  PrintMessages("warning", result.warnings);
+  std::cout << "\n" << Details(result);
 }
 
 constexpr char kUsage[] =
@@ -205,12 +176,12 @@ absl::Status OnReading(const absl::Status& status, const Request& request) {
       absl::StrCat("--data: ", NameFlags(status).message(), more));
 }
 
-bool ShowStage(const RunProgress& progress) {
-  ShowStatus(progress.fraction == 0.0
-                 ? progress.stage
-                 : absl::StrFormat("%s: %.0f %%", progress.stage,
-                                   100.0 * progress.fraction));
-  return true;
+// Shown until Ctrl-C.
+ProgressCallback TellStages() {
+  return [show = ShowStages()](const RunProgress& progress) {
+    show(progress.stage, progress.fraction);
+    return !StopRequested();
+  };
 }
 
 // Where columns are missing, of what is there.
@@ -218,7 +189,7 @@ absl::StatusOr<RecordData> Load(const std::vector<HistorianSource>& sources,
                                 Request& request) {
   const auto load = [&] {
     return LoadSources(sources, request.model, request.import,
-                       request.options.records, ShowStage);
+                       request.options.records, TellStages());
   };
   absl::StatusOr<RecordData> data = load();
   const auto is_about_tags = [](const absl::Status& status) {
@@ -243,6 +214,51 @@ void KeepFreedMemory() {
 #endif
 }
 
+// Corrects, writes the files of --out and prints the verdict.
+absl::StatusOr<int> CorrectAndWrite(RecordData data,
+                                    std::vector<DataFile> files,
+                                    Request& request) {
+  request.options.progress = TellStages();
+  const absl::StatusOr<Result> result =
+      RunCorrection(request, std::move(data), std::move(files));
+  if (!result.ok()) return NameFlags(result.status());
+  absl::StatusOr<std::string> json =
+      FormatResult(*result, CommandLine(), ResultFlags());
+  absl::Status status = json.status();
+  if (status.ok()) {
+    ShowStatus("writing the results");
+    status = WriteResult(*result, *json, HowToRunAgain({}, Checksums(*result)));
+  }
+  if (!status.ok()) return absl::InternalError(status.message());
+  EndStatus();
+  PrintMessages("error", result->failures);
+  if (request.json) {
+    std::cout << *json;
+  } else {
+    PrintResult(*result);
+  }
+  return result->exit_code();
+}
+
+// The same; without a result, no folder is left that was not there before.
+absl::StatusOr<int> CorrectIntoFolder(RecordData data,
+                                      std::vector<DataFile> files,
+                                      Request& request) {
+  CatchStopSignals();
+  const bool is_new = !std::filesystem::exists(request.out);
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(request.out));
+  absl::StatusOr<int> code =
+      CorrectAndWrite(std::move(data), std::move(files), request);
+  if (code.ok()) return code;
+  std::error_code not_empty;
+  if (is_new) std::filesystem::remove(request.out, not_empty);
+  if (!absl::IsCancelled(code.status())) return code;
+  return absl::FailedPreconditionError(
+      is_new ? "stopped: nothing was written"
+             : absl::StrCat("stopped: nothing was written, the files in ",
+                            request.out, " are as they were"));
+}
+
 absl::StatusOr<int> Run(Request& request, OptionTable& table) {
   KeepFreedMemory();
   MLE_RETURN_IF_ERROR(Complete(request, table));
@@ -263,34 +279,16 @@ absl::StatusOr<int> Run(Request& request, OptionTable& table) {
   if (request.dry_run) {
     EndStatus();
     NameFlags(*data);
-    PrintData(*data, sources->Files(), request.model);
+    std::cout << DescribeRecords(
+        *data, sources->Files(), request.model,
+        FindProspects(*data, request.model, request.options.threads));
     PrintMessages("warning", request.left_out);
     PrintMessages("warning", data->warnings);
     PrintMessages("warning", DescriptionWarnings(request.model_file));
     PrintMemory();
     return kExitDone;
   }
-  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(request.out));
-  request.options.progress = ShowStage;
-  const absl::StatusOr<Result> result =
-      RunCorrection(request, *std::move(data), sources->Files());
-  if (!result.ok()) return NameFlags(result.status());
-  absl::StatusOr<std::string> json =
-      FormatResult(*result, CommandLine(), ResultFlags());
-  absl::Status status = json.status();
-  if (status.ok()) {
-    ShowStatus("writing the results");
-    status = WriteResult(*result, *json, HowToRunAgain({}, Checksums(*result)));
-  }
-  if (!status.ok()) return absl::InternalError(status.message());
-  EndStatus();
-  PrintMessages("error", result->failures);
-  if (request.json) {
-    std::cout << *json;
-  } else {
-    PrintResult(*result);
-  }
-  return result->exit_code();
+  return CorrectIntoFolder(*std::move(data), sources->Files(), request);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
   const auto result = mle::CorrectFromRecords(
       argv[1], records, mle::HistorianOptions(), mle::CorrectOptions());
   if (!result.ok()) {
-    std::fprintf(stderr, "%s\n", result.status().ToString().c_str());
+    std::fprintf(stderr, "%s\n",
+                 std::string(result.status().message()).c_str());
     return 2;
   }
   std::printf("%s\n", std::string(mle::NameOf(result->decision)).c_str());
@@ -31,6 +32,8 @@ int main(int argc, char** argv) {
   if (!result->accepted() || !result->usable()) return 1;
   const absl::Status written =
       mle::WriteProcessModel(result->fopdt_model, argv[2]);
-  if (!written.ok()) std::fprintf(stderr, "%s\n", written.ToString().c_str());
+  if (!written.ok()) {
+    std::fprintf(stderr, "%s\n", std::string(written.message()).c_str());
+  }
   return written.ok() ? 0 : 2;
 }

@@ -25,7 +25,8 @@ int main(int argc, char** argv) {
     const auto result = mle::CorrectFromData(
         mle::SelectOutput(*model, i), mle::UseAsWindows(windows), options);
     if (!result.ok()) {
-      std::fprintf(stderr, "%s\n", result.status().ToString().c_str());
+      std::fprintf(stderr, "%s\n",
+                   std::string(result.status().message()).c_str());
       return 2;
     }
     std::printf("%s: %s, p = %.3g for no change\n", argv[3],

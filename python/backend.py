@@ -42,6 +42,8 @@ def _metadata():
             "Requires-Dist: numpy",
             "Provides-Extra: frames",
             'Requires-Dist: pandas; extra == "frames"',
+            "Provides-Extra: figures",
+            'Requires-Dist: matplotlib; extra == "figures"',
             "",
         ]
     )
@@ -70,16 +72,40 @@ def _build():
         ["cmake", "-S", ROOT, "-B", build, *generator]
         + ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_SHARED_LIBS=OFF"]
         + ["-DMLE_BUILD_PYTHON=ON", "-DMLE_BUILD_TESTS=OFF"]
+        # It is built once: sources are compiled together, which ccache would prevent.
+        + ["-DCMAKE_CXX_COMPILER_LAUNCHER="]
         + [f"-DPython_EXECUTABLE={sys.executable}", "-DMLE_PYTHON_INSTALL_DIR=."]
         + _pybind11_folder()
         + shlex.split(os.environ.get("CMAKE_ARGS", "")),
         check=True,
     )
-    subprocess.run(
-        ["cmake", "--build", build, "--target", "mle_python", "--parallel", str(os.cpu_count())],
-        check=True,
+    _compile(
+        ["cmake", "--build", build, "--target", "mle_python", "--parallel", str(os.cpu_count())]
     )
     return build
+
+
+def _terminal():
+    """Where progress is seen: pip keeps what a build prints to itself."""
+    try:
+        return open("/dev/tty", "w", encoding="utf-8")
+    except OSError:
+        return open(os.devnull, "w", encoding="utf-8")
+
+
+def _compile(command):
+    """Runs it, and tells the terminal every tenth of the targets."""
+    told = 0
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as build, _terminal() as out:
+        for line in build.stdout:
+            print(line, end="", flush=True)
+            step = re.match(r"\[ *(\d+)(?:/(\d+)|%)\]", line)
+            share = step and int(step[1]) / int(step[2] or 100)
+            if share and int(10 * share) > told:
+                told = int(10 * share)
+                print(f"\r{NAME}: {10 * told} % compiled", file=out, flush=True)
+    if build.returncode:
+        raise subprocess.CalledProcessError(build.returncode, command)
 
 
 def _install(build, folder):
@@ -90,12 +116,16 @@ def _install(build, folder):
     )
 
 
+def _info():
+    return f"{NAME.replace('-', '_')}-{_version()}.dist-info"
+
+
 def _files(folder):
     """Names and contents of all that the wheel holds, but for its list."""
     for path in sorted(pathlib.Path(folder).rglob("*")):
         if path.is_file():
             yield path.relative_to(folder).as_posix(), path.read_bytes()
-    info = f"{NAME.replace('-', '_')}-{_version()}.dist-info"
+    info = _info()
     wheel = f"Wheel-Version: 1.0\nGenerator: mle\nRoot-Is-Purelib: false\nTag: {_tag()}\n"
     yield f"{info}/METADATA", _metadata().encode()
     yield f"{info}/WHEEL", wheel.encode()
@@ -112,9 +142,17 @@ def _pack(folder, wheel_directory):
             wheel.writestr(member, content)
             digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest())
             record.append(f"{member},sha256={digest.decode().rstrip('=')},{len(content)}")
-        listed = f"{NAME.replace('-', '_')}-{_version()}.dist-info/RECORD"
+        listed = f"{_info()}/RECORD"
         wheel.writestr(listed, "\n".join([*record, f"{listed},,", ""]))
     return name
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """The name of the folder with the metadata, for which nothing is built."""
+    folder = pathlib.Path(metadata_directory) / _info()
+    folder.mkdir()
+    (folder / "METADATA").write_text(_metadata(), encoding="utf-8")
+    return folder.name
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

@@ -5,19 +5,41 @@ root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 
 # run_logged LOG MESSAGE COMMAND…
 #
-# Says MESSAGE and runs COMMAND quietly, with what it says going to LOG. If it
-# fails, shows the end of LOG and returns its exit code.
+# Says MESSAGE and where LOG is, and runs COMMAND quietly, with what it says
+# going to LOG; on a terminal, shows how far a build is. If it fails, shows the
+# end of LOG and returns its exit code.
 run_logged() {
-  local log=$1 message=$2 code=0
+  local log=$1 message=$2 code=0 watcher=
   shift 2
   mkdir -p -- "$(dirname -- "$log")"
-  printf '%s\n' "$message" >&2
+  printf '%s (log: %s)\n' "$message" "${log#"$root"/}" >&2
+  if [[ -t 2 ]]; then
+    : >"$log"
+    show_targets "$log" &
+    watcher=$!
+  fi
   "$@" >"$log" 2>&1 || code=$?
+  if [[ -n $watcher ]]; then
+    kill "$watcher" 2>/dev/null || true
+    wait "$watcher" 2>/dev/null || true
+    printf '\r\e[K' >&2
+  fi
   if ((code != 0)); then
     printf '… failed (exit code %d). The end of %s:\n' "$code" "$log" >&2
     tail -n 40 -- "$log" >&2
   fi
   return "$code"
+}
+
+# show_targets LOG: every second, in one line that is rewritten, how many targets
+# Ninja has done of all; as long as the script runs.
+show_targets() {
+  local targets
+  while sleep 1 && kill -0 $$ 2>/dev/null; do
+    targets=$(tail -c 4096 -- "$1" | tr '\r' '\n' | grep -aoE '^\[[0-9]+/[0-9]+\]' | tail -n 1) || continue
+    targets=${targets//[\[\]]/}
+    printf '\r%s of %s targets\e[K' "${targets%/*}" "${targets#*/}" >&2
+  done
 }
 
 # Fuzz targets that need the commands, or the correction as a whole: they double

@@ -45,6 +45,13 @@ StatusLine& TheLine() {
   return *kLine;
 }
 
+// ", about 40 s left" after `seconds` in which a share of the work was done.
+std::string TimeLeft(double seconds, double done) {
+  if (!(done > 0.0)) return "";
+  return absl::StrCat(", about ",
+                      SpelledDuration(seconds / done * (1.0 - done)), " left");
+}
+
 }  // namespace
 
 StatusLine::StatusLine(std::ostream& out, bool terminal, double now)
@@ -104,14 +111,23 @@ ProgressFunction ShowProgress(std::string what) {
     std::string text = absl::StrCat(what, ": ", done, " of ", total);
     const double seconds =
         std::chrono::duration<double>(Clock::now() - shown->start).count();
-    const auto fresh = static_cast<double>(done - shown->before);
-    if (fresh > 0.0) {
-      absl::StrAppend(
-          &text, ", about ",
-          SpelledDuration(seconds / fresh * static_cast<double>(total - done)),
-          " left");
+    ShowStatus(text + TimeLeft(seconds,
+                               static_cast<double>(done - shown->before) /
+                                   static_cast<double>(total - shown->before)));
+  };
+}
+
+std::function<void(const std::string& stage, double fraction)> ShowStages() {
+  return [last = std::string(), start = 0.0](const std::string& stage,
+                                             double fraction) mutable {
+    if (stage != last) {
+      last = stage;
+      start = Now();
     }
-    ShowStatus(text);
+    ShowStatus(fraction == 0.0
+                   ? stage
+                   : absl::StrFormat("%s: %.0f %%%s", stage, 100.0 * fraction,
+                                     TimeLeft(Now() - start, fraction)));
   };
 }
 

@@ -52,6 +52,10 @@ using ProgressFunction =
 // on and as long as it lives. What is done then was done by a former run.
 ProgressFunction ShowProgress(std::string what);
 
+// Shows the stages of a run, how much of each is done and how long it may still
+// take; one call at a time.
+std::function<void(const std::string& stage, double fraction)> ShowStages();
+
 }  // namespace mle
 
 #endif  // APPS_COMMON_PROGRESS_H_

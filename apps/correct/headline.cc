@@ -248,15 +248,17 @@ std::vector<std::string> ShortVerdict(const Result& result) {
   for (const Message& message : result.request.left_out) {
     lines.push_back(message.text);
   }
+  return lines;
+}
+
+std::string WhereTheRestIs(const Result& result) {
   std::string more;
   if (!result.warnings.empty()) {
     more = absl::StrCat(" (",
                         Counted(result.warnings.size(), "warning", "warnings"),
                         "; --verbose shows all)");
   }
-  lines.push_back(
-      absl::StrCat("Report: ", result.request.out, "/report.html", more));
-  return lines;
+  return absl::StrCat("Report: ", result.request.out, "/report.html", more);
 }
 
 }  // namespace mle::correct

@@ -85,6 +85,8 @@ using Figures = std::vector<DrawnFigure>;
 
 // Tables with more rows are folded.
 constexpr std::size_t kMostOpenRows = 8;
+// A figure with a panel for each of more outputs is folded.
+constexpr int kMostOpenOutputs = 3;
 
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
 // same bytes are wanted again (reproducible-builds.org); and what it is about.
@@ -124,12 +126,6 @@ report::Verdict OpeningOf(const Result& result) {
   return {Badge::kUnknown, "cannot tell", headline, {}};
 }
 
-std::vector<std::string> ShownOf(const std::vector<Message>& messages) {
-  std::vector<std::string> texts;
-  for (const Message& message : messages) texts.push_back(Shown(message));
-  return texts;
-}
-
 void SetVerdict(const Result& result, HtmlPage& page) {
   report::Verdict verdict = OpeningOf(result);
   verdict.sentences = {
@@ -144,17 +140,33 @@ void AddWarnings(const Result& result, HtmlPage& page) {
   for (const Message& failure : result.failures) {
     page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
   }
-  page.AddWarnings(ShownOf(result.warnings));
+  page.AddWarnings(ShownTogether(result.warnings));
+}
+
+const char* HeadingOfChanges(const Result& result) {
+  switch (result.decision) {
+    case Decision::kNoChange:
+      return "Nothing has changed";
+    case Decision::kCorrected:
+      return "What has changed";
+    case Decision::kCannotTell:
+      break;
+  }
+  return "What the records show";
 }
 
 void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
-  page.AddHeading("What has changed");
+  page.AddHeading(HeadingOfChanges(result));
   if (const report::Table changes = ChangeMap(result); !changes.rows.empty()) {
     page.AddTable(changes);
   }
   page.AddParagraph(WhatOthersShow(result));
   page.AddParagraph(WhyNotEstimated(result));
   if (result.request.last.has_value()) AddSinceLastRun(result, page);
+  const bool many = result.initial.num_outputs() > kMostOpenOutputs;
+  if (many) page.OpenFold("Measured and simulated outputs");
+  AddFigure(figures, "predictions", page);
+  if (many) page.CloseFold();
   AddFigure(figures, "changed_responses", page);
   if (HasFigure(figures, "step_responses")) {
     page.OpenFold("Step responses of all pairs");
@@ -265,7 +277,7 @@ void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
   page.OpenFold("Files, channels and what was found in them");
   page.AddTable(FileTable(result.data, result.files, result.initial));
   page.AddTable(ChannelTable(result.data, result.initial));
-  if (!result.notes.empty()) page.AddList(ShownOf(result.notes));
+  if (!result.notes.empty()) page.AddList(ShownTogether(result.notes));
   AddFigure(figures, "records", page);
   page.CloseFold();
 }
@@ -314,7 +326,6 @@ void AddValidation(const Result& result, const Figures& figures,
         "removes. A correction is used where no score falls and at least one "
         "gains by more than chance.");
   }
-  AddFigure(figures, "predictions", page);
   AddFigure(figures, "loss_over_lambda", page);
   page.CloseFold();
   page.OpenFold("Residuals and disturbances");

@@ -62,10 +62,10 @@ std::vector<double> SetPoints(const Strip& strip, int output) {
   });
 }
 
-// A mark at every bad sample, as high as the good one before it (or, at a
-// start, after it).
-void MarkBadSamples(const Strip& strip, const std::vector<double>& values,
-                    Panel& panel) {
+// A mark at every sample that is not used, as high as the good one before it
+// (or, at a start, after it).
+void MarkUnusedSamples(const Strip& strip, const std::vector<double>& values,
+                       Panel& panel) {
   std::vector<double> time;
   std::vector<double> height;
   double last = kNaN;
@@ -85,7 +85,8 @@ void MarkBadSamples(const Strip& strip, const std::vector<double>& values,
     ++n;  // the break
   }
   if (time.empty()) return;
-  AddCurve(Role::kBad, "bad sample", std::move(time), std::move(height), panel);
+  AddCurve(Role::kUnused, "not used", std::move(time), std::move(height),
+           panel);
 }
 
 void MarkWindows(const RecordData& data, const Strip& strip, Panel& panel) {
@@ -140,13 +141,14 @@ report::NamedFigure RecordFigure(const Result& result) {
   const int channels = model.num_outputs() + model.num_inputs();
   report::NamedFigure named = NewFigure(
       "records",
-      absl::StrCat("The records: outputs with their set points, and inputs. "
-                   "The correction uses the shaded windows; bad samples have a "
-                   "cross at the last good value.",
-                   strip.pieces.size() > 1
-                       ? " Records are joined without the time between them."
-                       : "",
-                   DatesOf(data, model)),
+      absl::StrCat(
+          "The records: outputs with their set points, and inputs. "
+          "The correction uses the shaded windows; samples that it does "
+          "not use have a cross at the last good value.",
+          strip.pieces.size() > 1
+              ? " Records are joined without the time between them."
+              : "",
+          DatesOf(data, model)),
       (channels + 1) / 2, 2, 4.0);
   const std::optional<report::DateScale> dates =
       DateScaleOf(data, model, strip);
@@ -178,7 +180,7 @@ report::NamedFigure RecordFigure(const Result& result) {
                panel)
           .steps = true;
     }
-    MarkBadSamples(strip, values, panel);
+    MarkUnusedSamples(strip, values, panel);
   }
   return named;
 }
@@ -193,10 +195,14 @@ report::NamedFigure PredictionFigure(const Result& result) {
   const EstimateFit& fit = result.estimate.fit;
   report::NamedFigure named =
       NewFigure("predictions",
-                "Measured outputs and simulations of both models from the "
-                "inputs alone, in all windows, one after the other (the "
-                "corrected model was fitted to these windows).",
-                model.num_outputs(), 1, 5.0);
+                result.accepted()
+                    ? "Measured outputs and simulations of both models from "
+                      "the inputs alone, in all windows, one after the other "
+                      "(the corrected model was fitted to these windows)."
+                    : "Measured outputs and what the controller's model makes "
+                      "of the inputs alone, in all windows, one after the "
+                      "other.",
+                model.num_outputs(), 1, 3.4);
   for (int i = 0; i < model.num_outputs(); ++i) {
     Panel& panel = named.figure.AddPanel(model.outputs()[i].name);
     panel.y.label = UnitOr(model.outputs()[i].unit, "measured");

@@ -96,9 +96,16 @@ std::string SignNote(const Result& result);
 // One sentence on how to proceed with the controller's model.
 std::string Instruction(const Result& result);
 
-// Headline, instruction, the main reason, and where the rest is: at most six
-// lines, the first of which says what to do.
+// Headline, instruction and the main reason: at most five lines, the first of
+// which says what to do.
 std::vector<std::string> ShortVerdict(const Result& result);
+
+// The path of the page, and how many warnings there are.
+std::string WhereTheRestIs(const Result& result);
+
+// What the verdict rests on, the tables and the advice: --verbose, and
+// summary() in Python.
+std::string Details(const Result& result);
 
 // The change of each element in a few words: for the table on the terminal, the
 // page and its map.

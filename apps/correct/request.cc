@@ -32,7 +32,7 @@ std::vector<Option> FileOptions(Request& request) {
        "Outputs that are judged and corrected, separated by commas; empty: "
        "all. Columns of the others are not needed."},
       {"dry_run", &request.dry_run,
-       "Only reads the records and reports on them."},
+       "Only reports on the records and on what they can tell."},
       {"verbose", &request.verbose,
        "Prints warnings, tables and advice below the verdict."},
       {"json", &request.json,

@@ -1,5 +1,7 @@
 #include "apps/correct/result.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string_view>
 
 #include "absl/strings/ascii.h"
@@ -86,6 +88,29 @@ absl::Status WarnOfDifferences(Result& result) {
   return absl::OkStatus();
 }
 
+// Messages of one kind from which on they are told as one.
+constexpr std::size_t kTogether = 3;
+
+// Of messages about a window or an output each, behind their number; null for
+// others.
+const char* OfSeveral(MessageCode code) {
+  switch (code) {
+    case MessageCode::kWindowNotAtRest:
+      return "windows are not at rest where they should be; unmeasured "
+             "disturbances "
+             "widen the intervals.";
+    case MessageCode::kWindowCut:
+      return "windows are cut to their longest parts without missing inputs.";
+    case MessageCode::kWindowDropped:
+      return "windows are left out.";
+    case MessageCode::kUnmeasured:
+      return "outputs have samples as far from the model's prediction as "
+             "outliers, which are too many to be outliers and are used.";
+    default:
+      return nullptr;
+  }
+}
+
 }  // namespace
 
 int Result::exit_code() const {
@@ -169,6 +194,30 @@ std::string Shown(const Message& message) {
   if (message.options.empty()) return message.text;
   return absl::StrCat(message.text, " (--",
                       absl::StrJoin(message.options, ", --"), ")");
+}
+
+std::vector<std::string> ShownTogether(const std::vector<Message>& messages) {
+  std::vector<std::string> texts;
+  std::vector<MessageCode> told;
+  for (const Message& message : messages) {
+    std::vector<Message> alike;
+    std::copy_if(messages.begin(), messages.end(), std::back_inserter(alike),
+                 [&](const Message& other) {
+                   return other.code == message.code && !other.place.empty();
+                 });
+    const char* const words = OfSeveral(message.code);
+    if (words == nullptr || message.place.empty() || alike.size() < kTogether) {
+      texts.push_back(Shown(message));
+    } else if (std::count(told.begin(), told.end(), message.code) == 0) {
+      told.push_back(message.code);
+      Message all = message;
+      all.text = absl::StrCat(alike.size(), " ", words,
+                              " Among them: ", alike[0].place, ", ",
+                              alike[1].place, ".");
+      texts.push_back(Shown(all));
+    }
+  }
+  return texts;
 }
 
 }  // namespace mle::correct

@@ -100,6 +100,10 @@ void NameFlags(RecordData& data);
 // The text, and the flags that would change it.
 std::string Shown(const Message& message);
 
+// The same of each, but one for all windows that are not at rest, cut or left
+// out, and for all outputs with many outliers, where these are more than two.
+std::vector<std::string> ShownTogether(const std::vector<Message>& messages);
+
 }  // namespace mle::correct
 
 #endif  // APPS_CORRECT_RESULT_H_

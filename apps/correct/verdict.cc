@@ -361,4 +361,30 @@ std::vector<Finding> Findings(const Result& result) {
   return findings;
 }
 
+std::string Details(const Result& result) {
+  std::string text;
+  for (const std::string& sentence : result.verdict) {
+    absl::StrAppend(&text, sentence, "\n");
+  }
+  for (const std::string& sentence : Sentences(result.findings)) {
+    absl::StrAppend(&text, "  ", sentence, "\n");
+  }
+  absl::StrAppend(&text, "\n", IntervalNote(result), "\n");
+  for (const report::Table& table :
+       {MismatchTable(result), ParameterTable(result), ValidationTable(result),
+        ResidualTable(result)}) {
+    absl::StrAppend(&text, "\n", report::RenderText(table));
+  }
+  absl::StrAppend(&text, "\nWhat to do\n");
+  for (const std::string& item : result.advice) {
+    absl::StrAppend(&text, "  ", item, "\n");
+  }
+  if (result.tuning.heading.empty()) return text;
+  absl::StrAppend(&text, "\n", result.tuning.heading, "\n");
+  for (const std::string& reason : result.tuning.reasons) {
+    absl::StrAppend(&text, "  ", reason, "\n");
+  }
+  return text;
+}
+
 }  // namespace mle::correct

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "apps/experiment/report.h"
 #include "apps/report/text.h"
 
@@ -271,7 +272,9 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
 }
 
 std::string MethodLabel(const Campaign& campaign, const Method& method) {
-  std::vector<std::string> parts = {method.name()};
+  std::vector<std::string> parts = {absl::StrReplaceAll(
+      method.name(),
+      {{":none", ", no test"}, {":adequacy", ", test of adequacy"}})};
   if (method.selection >= 0 && campaign.selections.size() > 1) {
     parts.push_back(campaign.selections[method.selection].name);
   }

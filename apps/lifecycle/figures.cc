@@ -57,11 +57,11 @@ MeanOfSeeds Drawn(const PolicySummary& policy) {
   return std::isfinite(policy.excess.mean) ? policy.excess : policy.cost;
 }
 
-// "cost a year above the floor, EUR", or the cost itself without the perfect
-// model.
+// "cost a year above the reference, EUR", or the cost itself without the
+// perfect model.
 std::string CostLabel(const RateSummary& rate, const std::string& currency) {
   return absl::StrCat(rate.Find(Policy::Kind::kPerfect) != nullptr
-                          ? "cost a year above the floor"
+                          ? "cost a year above the reference"
                           : "cost a year",
                       InCurrency(currency));
 }
@@ -94,8 +94,8 @@ class UpperEdge {
 std::vector<const PolicySummary*> Shown(const RateSummary& rate) {
   std::vector<const PolicySummary*> shown;
   for (const PolicySummary& policy : rate.policies) {
-    const bool is_floor = policy.policy.kind == Policy::Kind::kPerfect;
-    if (!is_floor && std::isfinite(Drawn(policy).mean)) {
+    const bool is_reference = policy.policy.kind == Policy::Kind::kPerfect;
+    if (!is_reference && std::isfinite(Drawn(policy).mean)) {
       shown.push_back(&policy);
     }
   }
@@ -137,7 +137,8 @@ NamedFigure TimeFigure(const Campaign& campaign,
       .caption = absl::StrCat(
           "Over the years, seed ", campaign.seeds.front(), ", ageing rate ",
           rate,
-          ": cost so far above the perfect model, the floor (whole cost where "
+          ": cost so far above the perfect model, the reference (whole cost "
+          "where "
           "that policy is not run), and the squared distance E of the model in "
           "use from the plant. Step tests may exceed the range shown.")};
   Figure& figure = named.figure;
@@ -155,22 +156,24 @@ NamedFigure TimeFigure(const Campaign& campaign,
   const auto cost_of = [&valuation](const ChangeRow& row) {
     return CostOf(row, valuation.prices, valuation.hours_per_unit).total();
   };
-  const std::size_t floor = PlaceOf(Policy::Kind::kPerfect, campaign.policies);
+  const std::size_t reference =
+      PlaceOf(Policy::Kind::kPerfect, campaign.policies);
   std::vector<double> perfect;  // by change; empty where it is not run
-  if (floor < campaign.policies.size()) {
-    for (const ChangeRow& row : lives.front()[floor].rows) {
+  if (reference < campaign.policies.size()) {
+    for (const ChangeRow& row : lives.front()[reference].rows) {
       perfect.push_back(cost_of(row));
     }
   }
   if (!perfect.empty()) {
-    cost.y.label = "cost so far above the floor";
-    cost.lines.push_back(report::HorizontalLine(Role::kTrue, kFloorLabel, 0.0));
+    cost.y.label = "cost so far above the reference";
+    cost.lines.push_back(
+        report::HorizontalLine(Role::kTrue, kReferenceLabel, 0.0));
   }
   cost.y.label += InCurrency(valuation.currency);
   UpperEdge upper;
   double lower = 0.0;
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
-    if (p == floor) continue;
+    if (p == reference) continue;
     Series spent;
     spent.label = ShortName(campaign.policies[p]);
     spent.style = StyleAt(campaign.policies, p);
@@ -206,7 +209,8 @@ report::NamedFigure CostFigure(const RateSummary& rate,
       .name = "policy_costs",
       .caption = absl::StrCat(
           "What each policy costs a year above the perfect model, which is the "
-          "floor (the whole cost where that policy is not run), ageing rate ",
+          "reference (the whole cost where that policy is not run), ageing "
+          "rate ",
           rate.rate,
           "; points are means, lines 95 % intervals over the same lives.")};
   named.alt = absl::StrCat(named.caption, " The table has the same numbers.");
@@ -229,7 +233,7 @@ report::NamedFigure CostFigure(const RateSummary& rate,
   }
   const PolicySummary* perfect = rate.Find(Policy::Kind::kPerfect);
   if (perfect != nullptr && std::isfinite(perfect->excess.mean)) {
-    panel.lines.push_back({.label = kFloorLabel,
+    panel.lines.push_back({.label = kReferenceLabel,
                            .orientation = report::Orientation::kVertical,
                            .value = 0.0,
                            .style = StyleOfPolicy(perfect->policy, 0)});

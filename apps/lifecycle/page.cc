@@ -36,7 +36,7 @@ void AddWarnings(const std::vector<RateSummary>& summaries, std::size_t lives,
 }
 
 // That the old model may cost less than the plant's own.
-void AddBelowTheFloor(const RateSummary& rate, HtmlPage& page) {
+void AddBelowTheReference(const RateSummary& rate, HtmlPage& page) {
   const bool below = std::any_of(
       rate.policies.begin(), rate.policies.end(), [](const PolicySummary& p) {
         return p.excess.mean < 0.0 && ToldApart(p.excess);
@@ -53,7 +53,7 @@ void AddCosts(const RateSummary& rate, std::size_t lives,
               HtmlPage& page) {
   page.AddHeading("What each policy costs");
   page.AddTable(ComparisonTable(rate, lives, currency));
-  AddBelowTheFloor(rate, page);
+  AddBelowTheReference(rate, page);
   AddFigure(figures, "policy_costs", page);
   page.OpenFold("What a year's cost is made of");
   page.AddParagraph(
@@ -88,7 +88,7 @@ void AddRates(const std::vector<RateSummary>& summaries, std::size_t lives,
     if (&rate == &NominalRate(summaries)) continue;
     page.OpenFold(absl::StrCat("Costs at ageing rate ", rate.rate));
     page.AddTable(ComparisonTable(rate, lives, currency));
-    AddBelowTheFloor(rate, page);
+    AddBelowTheReference(rate, page);
     page.AddTable(CostTable(rate, currency));
     page.CloseFold();
   }

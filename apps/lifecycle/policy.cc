@@ -173,9 +173,9 @@ PolicyWords WordsOf(const Policy& policy) {
               "never."};
     case Policy::Kind::kPerfect:
       return {
-          "perfect model (the floor)", "Have a perfect model",
+          "perfect model (the reference)", "Have a perfect model",
           "The controller always has the plant's own model, at no cost: not a "
-          "way to work but the floor by which the others are judged."};
+          "way to work but the reference by which the others are judged."};
     case Policy::Kind::kTest: {
       const std::string when = Months(absl::StrCat(policy.months));
       return {absl::StrCat("step test ", when),

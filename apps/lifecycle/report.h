@@ -50,7 +50,7 @@ report::Table SavingTable(const std::vector<RateSummary>& summaries,
 
 // The figures of mle_lifecycle.
 
-inline constexpr char kFloorLabel[] = "perfect model: the floor";
+inline constexpr char kReferenceLabel[] = "perfect model: the reference";
 
 // The cost of each policy a year at one rate, with its interval: that above the
 // perfect model's cost, or the whole cost where there is no perfect model.

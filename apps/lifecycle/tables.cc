@@ -31,7 +31,7 @@ bool IsPerfect(const PolicySummary& policy) {
   return policy.policy.kind == Policy::Kind::kPerfect;
 }
 
-// The cheapest first; then those whose loop diverged; then the floor.
+// The cheapest first; then those whose loop diverged; then the reference.
 std::vector<const PolicySummary*> ByCost(const RateSummary& rate) {
   std::vector<const PolicySummary*> sorted;
   for (const PolicySummary& policy : rate.policies) sorted.push_back(&policy);
@@ -57,7 +57,7 @@ Comparison Compare(const PolicySummary& policy, const PolicySummary* cheapest,
   if (policy.ran_away > 0) {
     return {absl::StrCat("diverged in ", policy.ran_away, " of ", lives)};
   }
-  if (IsPerfect(policy)) return {"the floor"};
+  if (IsPerfect(policy)) return {"the reference"};
   if (&policy == cheapest) return {"cheapest", kCheapestLevel};
   if (!ToldApart(policy.over_cheapest)) {
     return {"cannot be told apart", kAsGoodLevel};

@@ -42,7 +42,7 @@ enum class Role {
   kReference,      // a limit or a bound
   kChosen,         // the λ the method chose
   kBest,           // the λ best in hindsight
-  kBad,            // a sample that is bad
+  kUnused,         // a sample that is bad, or not to be used
   kWindow,         // what is used of a record
 };
 

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "apps/common/model_files.h"
 #include "apps/report/text.h"
 #include "apps/reproduce/report.h"
@@ -18,7 +19,7 @@ using report::FormatSignificant;
 namespace {
 
 // "E falls from … to …", for each case.
-std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
+std::vector<std::string> FindingsOf(const std::vector<CaseResult>& cases) {
   std::vector<std::string> sentences;
   for (const CaseResult& result : cases) {
     const bool several = result.runs.size() > 1;
@@ -39,6 +40,24 @@ std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
 
 using Figures = std::vector<report::DrawnFigure>;
 
+report::Verdict VerdictOn(const std::vector<CaseResult>& cases) {
+  std::vector<std::string> worse;
+  for (const CaseResult& result : cases) {
+    if (!(result.E_star.max < result.E_initial)) worse.push_back(result.name);
+  }
+  report::Verdict verdict = {
+      .badge = worse.empty() ? report::Badge::kGood : report::Badge::kUnknown,
+      .label = worse.empty() ? "reproduced" : "not in every run",
+      .headline = worse.empty()
+                      ? "The corrected model is nearer to the plant in every "
+                        "run"
+                      : absl::StrCat("The corrected model is not nearer to the "
+                                     "plant in every run: ",
+                                     absl::StrJoin(worse, ", ")),
+      .sentences = FindingsOf(cases)};
+  return verdict;
+}
+
 void AddDistances(const std::vector<CaseResult>& cases, const Figures& figures,
                   report::HtmlPage& page) {
   page.AddHeading("Distance from the plant");
@@ -47,13 +66,15 @@ void AddDistances(const std::vector<CaseResult>& cases, const Figures& figures,
       "input–output pairs and samples. λ* is chosen from the records alone, by "
       "the rule that --selection names; the plant is not used for it.");
   for (const CaseResult& result : cases) page.AddTable(DistanceTable(result));
+  page.OpenFold("E over λ");
   AddFigure(figures, "distance_over_lambda", page);
+  page.CloseFold();
 }
 
 void AddEstimators(const std::vector<CaseResult>& cases,
                    report::HtmlPage& page) {
   if (cases.front().runs.front().estimators.empty()) return;
-  page.AddHeading("Estimators side by side");
+  page.OpenFold("Estimators side by side");
   page.AddParagraph(
       "On the same records. arx: ΔR by the exact engine, unless a test finds "
       "that the initial model explains the records; ceres: the same by "
@@ -64,23 +85,25 @@ void AddEstimators(const std::vector<CaseResult>& cases,
   for (const CaseResult& result : cases) {
     page.AddTable(EstimatorTable(result, /*with_times=*/false));
   }
+  page.CloseFold();
 }
 
 void AddAblations(const std::vector<CaseResult>& cases,
                   report::HtmlPage& page) {
   if (cases.front().ablations.empty()) return;
-  page.AddHeading("What each decision is worth");
+  page.OpenFold("What each decision is worth");
   page.AddParagraph(
       "The same records corrected with one decision taken differently. A large "
       "duality gap means that the fits are not exact.");
   for (const CaseResult& result : cases) {
     page.AddTable(AblationTable(result));
   }
+  page.CloseFold();
 }
 
 void AddResponses(const std::vector<CaseResult>& cases, const Figures& figures,
                   report::HtmlPage& page) {
-  page.AddHeading("Gains and dead times");
+  page.OpenFold("Gains and dead times");
   page.AddParagraph(
       "Gain error by the end of the step response and by a first-order-plus-"
       "dead-time (FOPDT) fit to it; dead time at the peak of the impulse "
@@ -93,11 +116,12 @@ void AddResponses(const std::vector<CaseResult>& cases, const Figures& figures,
     AddFigure(figures, absl::StrCat("step_responses_", result.name), page);
     AddFigure(figures, absl::StrCat("impulse_responses_", result.name), page);
   }
+  page.CloseFold();
 }
 
 void AddLoops(const std::vector<CaseResult>& cases, const Figures& figures,
               report::HtmlPage& page) {
-  page.AddHeading("The loop under control");
+  page.OpenFold("The loop under control");
   page.AddParagraph(
       "The aged plant with the initial model in its controller, with the "
       "corrected ARX model as it is, and with the plant's own; same weights, "
@@ -108,6 +132,7 @@ void AddLoops(const std::vector<CaseResult>& cases, const Figures& figures,
         ClosedLoopTable(result.name, result.plant, result.ClosedLoops()));
     AddFigure(figures, absl::StrCat("closed_loop_", result.name), page);
   }
+  page.CloseFold();
 }
 
 void AddCertificates(const std::vector<CaseResult>& cases,
@@ -135,7 +160,11 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
                        const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again) {
   report::HtmlPage page("Model Life Extension: reproduction");
-  page.AddSummary(Findings(cases));
+  page.SetVerdict(VerdictOn(cases));
+  if (const report::Table table = PaperTable(cases); !table.rows.empty()) {
+    page.AddHeading("The paper says · we find · why");
+    page.AddTable(table);
+  }
   AddFigure(figures, "overview", page);
   AddDistances(cases, figures, page);
   AddEstimators(cases, page);
@@ -143,7 +172,7 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
   AddResponses(cases, figures, page);
   AddLoops(cases, figures, page);
   AddCertificates(cases, page);
-  page.AddRunAgain(run_again);
+  page.AddLastFolds({}, run_again);
   return page.Render();
 }
 

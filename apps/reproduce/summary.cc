@@ -1,9 +1,7 @@
 #include "apps/reproduce/summary.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,25 +14,6 @@ namespace {
 
 using report::FormatScientific;
 using report::FormatSignificant;
-
-// A number that the paper reports on one of its two cases, from one run each.
-// Output and input count from 0.
-struct PaperFigure {
-  std::string_view case_name;
-  int output;
-  int input;
-  // Magnitude of the error of the static gain, read from the step response.
-  double gain_error;
-  // Dead time read at the peak of the impulse response, in min; 0: not given.
-  double delay;
-};
-
-inline constexpr std::array<PaperFigure, 4> kPaperFigures = {{
-    {"gain", 0, 0, 9.33e-2, 0.0},
-    {"gain", 1, 0, 5.15e-2, 0.0},
-    {"delay", 0, 1, 0.0, 7.6},
-    {"delay", 1, 1, 0.0, 7.6},
-}};
 
 // Dead time of an element as a first-order one: its own, or the best fit's.
 absl::StatusOr<double> FirstOrderDelay(const TransferFunction& element,
@@ -50,18 +29,6 @@ absl::StatusOr<double> FirstOrderDelay(const TransferFunction& element,
 std::string NumberedPair(const ProcessModel& plant, int output, int input) {
   return absl::StrCat("(", output + 1, ",", input + 1, ") ",
                       PairName(plant, output, input));
-}
-
-const PaperFigure* FindPaperFigure(const CaseResult& result, int output,
-                                   int input) {
-  if (!result.from_paper) return nullptr;
-  for (const PaperFigure& figure : kPaperFigures) {
-    if (result.name == figure.case_name && output == figure.output &&
-        input == figure.input) {
-      return &figure;
-    }
-  }
-  return nullptr;
 }
 
 }  // namespace

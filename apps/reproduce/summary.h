@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "Eigen/Core"
@@ -171,6 +172,26 @@ struct CaseResult {
 
 absl::Status SummariseCase(const ProcessModel& initial_model,
                            CaseResult& result);
+
+// A number that the paper reports on one of its two cases, from one run each.
+// Output and input count from 0.
+struct PaperFigure {
+  std::string_view case_name;
+  int output;
+  int input;
+  // Magnitude of the error of the static gain, read from the step response.
+  double gain_error;
+  // Dead time read at the peak of the impulse response, in min; 0: not given.
+  double delay;
+};
+
+// Null where the paper has none.
+const PaperFigure* FindPaperFigure(const CaseResult& result, int output,
+                                   int input);
+
+// The paper's figures beside those of the runs, and why they differ; no rows
+// without a case of the paper.
+report::Table PaperTable(const std::vector<CaseResult>& cases);
 
 // E and λ of a case; with one run its values, with several their statistics.
 report::Table DistanceTable(const CaseResult& result);

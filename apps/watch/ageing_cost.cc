@@ -297,14 +297,25 @@ std::string WhyNot(const ProcessModel& model, const Watch& watch,
   return "";
 }
 
+// A trend is not carried on for longer than it was looked at, in days.
+std::vector<int> DaysAhead(int looked_at) {
+  std::vector<int> ahead;
+  for (const int days : kDaysAhead) {
+    ahead.push_back(std::min(days, looked_at));
+    if (days >= looked_at) break;
+  }
+  return ahead;
+}
+
+// `first`: the day that the watch began on.
 absl::Status AddPoints(const Valuer& valuer,
-                       const std::vector<KnownChange>& known, int today,
-                       AgeingCost& cost) {
+                       const std::vector<KnownChange>& known, int first,
+                       int today, AgeingCost& cost) {
   const bool goes_on =
       std::any_of(known.begin(), known.end(), [](const KnownChange& changed) {
         return changed.rate.low != 0.0 || changed.rate.high != 0.0;
       });
-  for (const int days : kDaysAhead) {
+  for (const int days : DaysAhead(today - first)) {
     if (days > 0 && !IsForeseen(known, days)) break;
     if (days > 0 && !goes_on) {
       cost.points.push_back({today + days, cost.points.front().cost});
@@ -374,7 +385,7 @@ AgeingCost CostOfAgeing(const Controller& controller, const ProcessModel& model,
                                   other.status().message(), ".")));
   }
   if (const absl::Status status =
-          AddPoints(valuer, changes.known, watch.last_day(), cost);
+          AddPoints(valuer, changes.known, watch.first, watch.last_day(), cost);
       cost.points.empty()) {
     return CannotTell(absl::StrCat(
         "Cannot tell what ageing costs. On the plant as it has become, ",

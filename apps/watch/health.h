@@ -54,8 +54,8 @@ struct AgeingCost {
   std::string reason = {};  // whole sentences
   // Whether kCannotTell is due to an error in the list of controllers.
   bool wrong_list = false;
-  // The cost now, and later as far as it can be predicted, a year at most;
-  // filled in for kTold alone.
+  // The cost now, and later as far as it can be predicted, no further than the
+  // watch has looked back and a year at most; filled in for kTold alone.
   std::vector<CostPoint> points = {};
   std::vector<int> not_counted = {};  // outputs that may have changed, too
   double update = 0.0;                // U, money

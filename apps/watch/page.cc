@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "absl/time/time.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
@@ -123,20 +125,77 @@ report::Badge BadgeOf(Status status) {
 }
 
 Table ElementTable(const Report& report) {
-  Table table{.caption = "Health of the elements",
-              .columns = {{"element", Align::kLeft},
-                          {"health"},
-                          {"evidence, ln E"},
-                          {"in words", Align::kLeft}}};
+  Table table{
+      .caption = "Health of the elements",
+      .columns = {
+          {"element", Align::kLeft}, {"health"}, {"in words", Align::kLeft}}};
   for (const ElementHealth& element : report.elements) {
     table.AddRow({PairName(report.model, element.output, element.input),
                   report::FormatFixed(element.health, 3),
-                  report::FormatFixed(element.log_evidence, 1),
                   element.health <= 0.5   ? "has aged, whatever the others did"
                   : element.health <= 0.9 ? "some evidence of ageing"
                                           : "no evidence of ageing"});
   }
   return table;
+}
+
+// By how much which parameter of an aged output has changed.
+std::string ChangeNow(const Report& report, int output) {
+  const auto i = static_cast<std::size_t>(output);
+  if (i < report.outlook.trends.size()) {
+    std::string changed =
+        ChangedText(report.model, output, report.outlook.trends[i]);
+    if (!changed.empty()) return changed;
+  }
+  return "Has aged; which parameter has changed is not known yet.";
+}
+
+std::string CorrectionNow(const Report& report) {
+  if (report.watch->proposals.empty()) return "None has been run yet.";
+  const Proposal& last = report.watch->proposals.back();
+  const std::string text = absl::StrCat(
+      "On ", NameOfDay(last.day), ": ",
+      absl::StrReplaceAll(last.decision, {{"_", " "}}), " (below).");
+  if (last.decision == "corrected") return text;
+  return absl::StrCat(
+      text,
+      " The alarm rests on all days since the watch began, a correction on "
+      "those since the change alone, and it has to predict records that it "
+      "has not seen.");
+}
+
+std::string CostNow(const Report& report) {
+  const AgeingCost& cost = report.cost;
+  if (cost.state != AgeingCost::State::kTold) {
+    return CostText(report.model, cost);
+  }
+  const bool corrected = !report.watch->proposals.empty() &&
+                         report.watch->proposals.back().decision == "corrected";
+  return absl::StrCat(CostText(report.model, cost), " ", UpdateText(cost),
+                      cost.pays_now() && !corrected
+                          ? " The records have not given a correction yet: see "
+                            "the next change of a set point."
+                          : "");
+}
+
+// What holds on the last day, where alarms and corrections say what was known
+// on theirs.
+void AddKnownNow(const Report& report, report::HtmlPage& page) {
+  if (report.status != Status::kAged) return;
+  page.AddHeading("What is known now");
+  std::vector<std::pair<std::string, std::string>> terms;
+  std::set<int> aged;
+  for (const Alarm& alarm : report.watch->alarms) aged.insert(alarm.output);
+  for (const int output : aged) {
+    if (output >= report.model.num_outputs()) continue;
+    terms.emplace_back(report.model.outputs()[output].name,
+                       ChangeNow(report, output));
+  }
+  terms.emplace_back("Correction", CorrectionNow(report));
+  if (std::string cost = CostNow(report); !cost.empty()) {
+    terms.emplace_back("Costs", std::move(cost));
+  }
+  page.AddTerms(terms);
 }
 
 void AddAcknowledging(const Alarm& alarm, report::HtmlPage& page) {
@@ -159,6 +218,16 @@ void AddAcknowledging(const Alarm& alarm, report::HtmlPage& page) {
   page.CloseFold();
 }
 
+Table AlarmTable(const char* caption) {
+  return {.caption = caption,
+          .columns = {{"day"},
+                      {"what", Align::kLeft},
+                      {"acknowledged", Align::kLeft},
+                      {"handed on to", Align::kLeft},
+                      {"id", Align::kLeft}},
+          .stacked = true};
+}
+
 void AddAlarmRows(const Report& report, bool can_acknowledge,
                   report::HtmlPage& page) {
   page.AddHeading("Alarms");
@@ -166,18 +235,26 @@ void AddAlarmRows(const Report& report, bool can_acknowledge,
     page.AddParagraph("None was raised.");
     return;
   }
-  Table table{.caption = "Alarms",
-              .columns = {{"day"},
-                          {"what", Align::kLeft},
-                          {"acknowledged", Align::kLeft},
-                          {"handed on to", Align::kLeft},
-                          {"id", Align::kLeft}},
-              .stacked = true};
+  page.AddParagraph("Each says what was known on its day.");
+  Table last = AlarmTable("The last alarm of each output");
+  Table before = AlarmTable("Alarms before these");
   for (const Alarm& alarm : report.watch->alarms) {
-    table.AddRow({NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm),
-                  DeliveryText(alarm), ShortId(alarm)});
+    // They stand in order of time.
+    const bool is_last =
+        std::none_of(report.watch->alarms.begin(), report.watch->alarms.end(),
+                     [&](const Alarm& other) {
+                       return other.output == alarm.output && &other > &alarm;
+                     });
+    (is_last ? last : before)
+        .AddRow({NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm),
+                 DeliveryText(alarm), ShortId(alarm)});
   }
-  page.AddTable(table);
+  page.AddTable(last);
+  if (!before.rows.empty()) {
+    page.OpenFold(before.caption);
+    page.AddTable(before);
+    page.CloseFold();
+  }
   for (const Alarm& alarm : report.watch->alarms) {
     if (can_acknowledge && !alarm.acknowledged.has_value()) {
       AddAcknowledging(alarm, page);
@@ -185,26 +262,34 @@ void AddAlarmRows(const Report& report, bool can_acknowledge,
   }
 }
 
+void AddProposal(const Proposal& proposal, const std::string& folder,
+                 report::HtmlPage& page) {
+  page.AddParagraph(absl::StrCat(NameOfDay(proposal.day), ": ",
+                                 proposal.decision, ". ", proposal.conclusion));
+  const std::filesystem::path made =
+      std::filesystem::path(proposal.folder) / "report.html";
+  std::error_code error;
+  if (!std::filesystem::exists(made, error)) return;
+  page.AddFiles({{absl::StrCat("Report of ", NameOfDay(proposal.day)),
+                  made.lexically_proximate(folder).generic_string()}});
+}
+
 void AddProposals(const Report& report, const std::string& folder,
                   report::HtmlPage& page) {
-  if (report.watch->proposals.empty()) return;
+  const std::vector<Proposal>& proposals = report.watch->proposals;
+  if (proposals.empty()) return;
   page.AddHeading("Corrections");
   page.AddParagraph(
       "Run on the records since the change most likely began, of 60 days at "
       "most. Nothing is written to a controller: whether a correction is taken "
       "is for an engineer to say.");
-  for (const Proposal& proposal : report.watch->proposals) {
-    page.AddParagraph(absl::StrCat(NameOfDay(proposal.day), ": ",
-                                   proposal.decision, ". ",
-                                   proposal.conclusion));
-    const std::filesystem::path made =
-        std::filesystem::path(proposal.folder) / "report.html";
-    std::error_code error;
-    if (std::filesystem::exists(made, error)) {
-      page.AddFiles({{absl::StrCat("Report of ", NameOfDay(proposal.day)),
-                      made.lexically_proximate(folder).generic_string()}});
-    }
+  AddProposal(proposals.back(), folder, page);
+  if (proposals.size() == 1) return;
+  page.OpenFold("Corrections before");
+  for (std::size_t k = 0; k + 1 < proposals.size(); ++k) {
+    AddProposal(proposals[k], folder, page);
   }
+  page.CloseFold();
 }
 
 void AddNextChange(const Report& report, report::HtmlPage& page) {
@@ -220,12 +305,13 @@ void AddNextChange(const Report& report, report::HtmlPage& page) {
 void AddCost(const Report& report, report::HtmlPage& page) {
   const AgeingCost& cost = report.cost;
   const std::string text = CostText(report.model, cost);
-  if (text.empty()) return;
-  page.AddHeading("Costs of ageing");
-  page.AddParagraph(text);
-  if (cost.state != AgeingCost::State::kTold) return;
-  page.AddParagraph(UpdateText(cost));
-  if (cost.points.front().cost.mean == cost.points.back().cost.mean) {
+  // Of a model that has aged this has been said (AddKnownNow).
+  if (report.status != Status::kAged && !text.empty()) {
+    page.AddHeading("Costs of ageing");
+    page.AddParagraph(absl::StrCat(text, " ", UpdateText(cost)));
+  }
+  if (cost.state != AgeingCost::State::kTold ||
+      cost.points.front().cost.mean == cost.points.back().cost.mean) {
     return;  // What stands still costs the same later.
   }
   Table table{
@@ -236,7 +322,9 @@ void AddCost(const Report& report, report::HtmlPage& page) {
     table.AddRow({NameOfDay(point.day), report::FormatMoney(point.cost.mean),
                   CostInterval(point.cost)});
   }
+  page.OpenFold("What ageing will cost, if it goes on");
   page.AddTable(table);
+  page.CloseFold();
 }
 
 void AddUnusedDays(const Report& report, report::HtmlPage& page) {
@@ -270,9 +358,12 @@ std::string FormatControllerPage(const Report& report,
   if (!report.watch->news.empty() && report.sentence != report.watch->news) {
     page.AddWarning(report.watch->news);
   }
+  const bool aged = report.status == Status::kAged;
+  AddKnownNow(report, page);
+  if (aged) AddCost(report, page);
   AddAlarmRows(report, can_acknowledge, page);
   AddProposals(report, folder, page);
-  AddCost(report, page);
+  if (!aged) AddCost(report, page);
   AddNextChange(report, page);
   if (!report.elements.empty()) {
     page.AddHeading("Elements");

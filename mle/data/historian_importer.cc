@@ -141,10 +141,15 @@ absl::Status HistorianImporter::OrderError(const HistorianProbe& probe,
                                         " of them at the beginning of the file")
                          : ""));
   }
-  return OptionError("skip_backward_times",
-                     absl::StrCat(message,
-                                  ", or rows that go back be ignored "
-                                  "(skip_backward_times = true)"));
+  return OptionError(
+      "skip_backward_times",
+      absl::StrCat(
+          message,
+          probe.source.is_table
+              ? ": sort the rows (a data frame by sort_index()), or let"
+              : ", or",
+          " rows that go back be ignored (skip_backward_times = "
+          "true)"));
 }
 
 // Beyond the last row so far by more than any gap that is bridged.

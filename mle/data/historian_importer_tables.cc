@@ -95,6 +95,7 @@ absl::Status HistorianImporter::ProbeTables(
     const Table& table = *matched.table;
     HistorianProbe& probe = probes_.emplace_back();
     probe.source.name = table.name;
+    probe.source.is_table = true;
     probe.has_dates = table.has_dates;
     probe.clock.time_zone = table.time_zone;
     if (!table.has_dates) probe.first_time = matched.time(0);

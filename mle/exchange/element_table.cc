@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_format.h"
 #include "mle/exchange/description.h"
 #include "mle/exchange/nearest_integrator.h"
 #include "mle/nonlinear/fopdt_fit.h"
@@ -167,6 +169,28 @@ ElementTable WithElements(const ElementTable& table,
     }
   }
   return changed;
+}
+
+ElementTable ForTyping(const ElementTable& given, ElementTable corrected) {
+  for (ElementRow& row : corrected.rows) {
+    const auto before = std::find_if(
+        given.rows.begin(), given.rows.end(), [&](const ElementRow& other) {
+          return other.output == row.output && other.input == row.input;
+        });
+    for (double ElementRow::*const number :
+         {&ElementRow::gain, &ElementRow::time_constant,
+          &ElementRow::second_time_constant, &ElementRow::lead,
+          &ElementRow::delay}) {
+      if (before != given.rows.end() && row.*number == (*before).*number) {
+        continue;
+      }
+      double rounded = 0.0;
+      if (absl::SimpleAtod(absl::StrFormat("%.5g", row.*number), &rounded)) {
+        row.*number = rounded;
+      }
+    }
+  }
+  return corrected;
 }
 
 }  // namespace mle

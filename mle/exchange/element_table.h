@@ -65,6 +65,10 @@ std::string FormatElementTable(const ElementTable& table);
 ElementTable WithElements(const ElementTable& table,
                           const ProcessModel& corrected);
 
+// Numbers that are not those of `given` with five significant digits, as they
+// are typed into a controller.
+ElementTable ForTyping(const ElementTable& given, ElementTable corrected);
+
 // Whether a correction has left an element as it was.
 
 inline bool IsSameElement(const TransferFunction& a,

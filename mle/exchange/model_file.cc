@@ -210,7 +210,8 @@ absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
   FormattedModel formatted;
   formatted.name = CorrectedName(file);
   if (file.form == ModelForm::kElementTable) {
-    const ElementTable changed = WithElements(file.elements, corrected);
+    const ElementTable changed =
+        ForTyping(file.elements, WithElements(file.elements, corrected));
     formatted.text = FormatElementTable(changed);
     for (const ElementRow& row : changed.rows) {
       if (row.largest_difference == 0.0) continue;

@@ -21,10 +21,13 @@ from ._mle import (
     __version__,
 )
 from .campaigns import StudyResult, study
+from .comparison import Comparison, Residuals, compare, lsim, predict, resid
 from .correction import (
+    Advice,
     CorrectionResult,
     Message,
     StepResponse,
+    advice,
     correct,
     correct_options,
 )
@@ -36,7 +39,14 @@ from .errors import (
     MissingFileError,
     NotUsableError,
 )
-from .interop import from_state_space, from_systems, to_control, to_scipy
+from .examples import Example, load_example
+from .interop import (
+    from_state_space,
+    from_systems,
+    to_control,
+    to_scipy,
+    to_time_response,
+)
 from .lifecycles import LifecycleResult, lifecycle, lifecycle_options
 from .model import from_fopdt, from_step_responses, from_transfer_functions
 from .mpc import Mpc
@@ -47,9 +57,12 @@ from .simulation import simulate, simulate_options
 _atexit.register(_mle._join_left_behind)
 
 __all__ = [
+    "Advice",
     "CancelledError",
+    "Comparison",
     "CorrectionResult",
     "Error",
+    "Example",
     "FileAccessError",
     "InvalidInputError",
     "LifecycleResult",
@@ -60,11 +73,14 @@ __all__ = [
     "Plant",
     "ProcessModel",
     "Record",
+    "Residuals",
     "StateSpaceModel",
     "StepResponse",
     "StepResponseModel",
     "StudyResult",
     "__version__",
+    "advice",
+    "compare",
     "correct",
     "correct_options",
     "from_fopdt",
@@ -74,11 +90,16 @@ __all__ = [
     "from_transfer_functions",
     "lifecycle",
     "lifecycle_options",
+    "load_example",
+    "lsim",
+    "predict",
     "read_records",
+    "resid",
     "simulate",
     "simulate_options",
     "study",
     "to_control",
     "to_dataframe",
     "to_scipy",
+    "to_time_response",
 ]

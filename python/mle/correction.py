@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import os
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optional, Union
 
 from . import _mle
 from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
-from .model import ModelLike
-from .options import help_on, option_texts
+from .model import KINDS, ModelLike, given_model, read_model
+from .options import help_on, option_texts, takes_keywords
 from .records import source_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .keywords import CorrectOptions
 
 Progress = Callable[[str, float], Optional[bool]]
 
@@ -54,12 +60,14 @@ class CorrectionResult:
     """What :func:`correct` found out.
 
     ``decision`` is "corrected", "no_change" or "cannot_tell"; ``corrected`` is the
-    model for use, ``initial`` unless the decision is "corrected". In a notebook
-    the result shows itself; :meth:`report` writes the whole page.
+    model for use, ``initial`` unless the decision is "corrected". ``print()`` shows
+    what to do and why, :meth:`summary` what that rests on; in a notebook the result
+    shows itself. :meth:`report` writes the whole page.
     """
 
     _ATTRIBUTES = (
-        "initial _json _files _as_given _responses reasons notes warnings failures usable"
+        "initial _short _details _json _files _as_given _responses reasons notes warnings failures "
+        "usable"
     ).split()
 
     initial: ProcessModel
@@ -72,6 +80,9 @@ class CorrectionResult:
     def __init__(self, correction: Any) -> None:
         self._correction = correction
         self._page: Optional[str] = None
+        self._pictures: Optional[List[str]] = None
+        self._short = correction.short_verdict()
+        self._details = correction.details()
         self.initial = correction.initial
         self._json = correction.json()
         self._files = correction.model_files()
@@ -158,6 +169,18 @@ class CorrectionResult:
         rows = [_row(element) for element in self.to_dict()["elements"]]
         return pd.DataFrame(rows).set_index(["output", "input"])
 
+    def summary(self) -> str:
+        """What the command prints with --verbose: verdict, what it rests on, tables of
+        elements, validation and residuals, and what to do."""
+        return f"{self._short}\n\n{self._details}"
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the step responses of the initial and the corrected model by matplotlib:
+        an axis for each output and input. Returns the figure."""
+        from .plots import draw_responses
+
+        return draw_responses(self, axes)
+
     def report_html(self) -> str:
         """The text of the page report.html, with its figures."""
         if self._page is None:
@@ -181,7 +204,9 @@ class CorrectionResult:
 
     def __getstate__(self) -> Dict[str, Any]:
         state = {name: getattr(self, name) for name in self._ATTRIBUTES}
-        state["_page"] = self.report_html()  # cannot be made afterwards
+        # They cannot be made afterwards.
+        state["_page"] = self.report_html()
+        state["_pictures"] = self._figures()
         return state
 
     def __setstate__(self, state: Dict[str, Any]) -> None:
@@ -192,25 +217,25 @@ class CorrectionResult:
     def __repr__(self) -> str:
         return f"<mle.CorrectionResult '{self.initial.name}': {self.decision}>"
 
+    def __str__(self) -> str:
+        return self._short
+
+    def _figures(self) -> List[str]:
+        """The map of pairs and the responses that have changed, as SVG."""
+        if self._pictures is None:
+            self._pictures = self._correction.figures()
+        return self._pictures
+
     def _repr_html_(self) -> str:
-        sentences = "".join(f"<p>{html.escape(text)}</p>" for text in self.verdict)
-        table = self.elements[
-            [
-                "aged",
-                "p_value",
-                "gain_initial",
-                "gain_estimate",
-                "time_constant_initial",
-                "time_constant_estimate",
-                "delay_initial",
-                "delay_estimate",
-                "response_change",
-            ]
-        ]
-        return (
-            f"<p><b>{html.escape(self.initial.name)}: {self.decision}</b></p>{sentences}"
-            + table.to_html(float_format="{:.4g}".format, na_rep="")
+        first, *others = self._short.split("\n")
+        sentences = "".join(f"<p>{html.escape(text)}</p>" for text in others)
+        pictures = "".join(
+            '<p><img style="max-width: 100%" src="data:image/svg+xml;base64,'
+            f'{base64.b64encode(svg.encode()).decode()}"></p>'
+            for svg in self._figures()
         )
+        name = html.escape(f"{self.initial.name} ({self.decision}): {first}")
+        return f"<p><b>{name}</b></p>{sentences}{pictures}"
 
 
 def _row(element: Dict[str, Any]) -> Dict[str, Any]:
@@ -246,13 +271,14 @@ def _call_text(model: Any, source: tuple, options: Dict[str, Any]) -> str:
     return f"mle.correct({', '.join(shown)})"
 
 
+@takes_keywords(_mle._correct_options())
 def correct(
     model: ModelLike,
     records: Any,
     *,
     truth: Optional[ModelLike] = None,
     progress: Optional[Progress] = None,
-    **options: Any,
+    **options: Unpack[CorrectOptions],
 ) -> CorrectionResult:
     """Corrects a process model from records of routine closed-loop operation with
     set-point changes, and says whether it has aged, where, by how much, and how far
@@ -278,12 +304,57 @@ def correct(
     """
     texts = option_texts("correct", _mle._correct_options(), options)
     source = source_of(records, options)
-    if isinstance(model, os.PathLike):
-        model = os.fspath(model)
-    text = _call_text(model, source, options)
-    return CorrectionResult(_mle._correct(model, source, texts, truth, text, progress))
+    model = os.fspath(model) if isinstance(model, os.PathLike) else given_model(model)
+    text = _call_text(model, source, dict(options))
+    done = _mle._correct(model, source, texts, given_model(truth), text, progress)
+    return CorrectionResult(done)
 
 
 def correct_options() -> str:
     """The options of :func:`correct`: names, defaults, units, ranges and meaning."""
     return help_on(_mle._correct_options())
+
+
+class Advice:
+    """What :func:`advice` found out.
+
+    ``elements`` is a data frame with a row for each element: ``state`` ("informed",
+    "weak" or "not_informed") and the standard errors that a correction may expect,
+    ``gain_error`` and ``time_constant_error`` relative, ``delay_error`` in the model's
+    time unit; ``feedback`` says of each output whether inputs answer to it;
+    ``obstacle`` is what forbids a correction, or empty; ``warnings`` and ``notes`` are
+    lists of :class:`Message`. ``print()`` shows what the command prints with --dry_run.
+    """
+
+    def __init__(self, model: Any, parts: tuple) -> None:
+        import pandas as pd
+
+        names = "output input state gain_error time_constant_error delay_error".split()
+        self._text, rows, feedback, self.obstacle, warnings, notes = parts
+        self.elements = pd.DataFrame(rows, columns=names).set_index(names[:2])
+        self.feedback = dict(zip(model.outputs, feedback))
+        self.warnings = _messages(warnings)
+        self.notes = _messages(notes)
+
+    def __str__(self) -> str:
+        return "\n".join([self._text, *(f"warning: {one}" for one in self.warnings)])
+
+    def __repr__(self) -> str:
+        return f"<mle.Advice on {len(self.elements)} elements>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+
+@takes_keywords(_mle._correct_options())
+def advice(records: Any, model: ModelLike, **options: Unpack[CorrectOptions]) -> Advice:
+    """What records can tell of a model, before anything is corrected: channels, windows,
+    how well each element could be estimated, feedback and doubts.
+
+    The arguments are those of :func:`correct`, the records first.
+    """
+    if isinstance(records, KINDS):
+        raise TypeError("advice(): the records come first, then the model")
+    texts = option_texts("advice", _mle._correct_options(), options)
+    model = given_model(model)
+    return Advice(read_model(model), _mle._advice(model, source_of(records, options), texts))

@@ -300,3 +300,20 @@ def to_control(model: ModelLike, pade_order: int = 0) -> Any:
         numerators.append([row[0] for row in rows])
         denominators.append([row[1] for row in rows])
     return control.TransferFunction(numerators, denominators, **names)
+
+
+def to_time_response(record: Any, model: ModelLike) -> Any:
+    """A :class:`Record` as ``control.TimeResponseData``: its times, outputs and inputs. It
+    goes back into all that takes records. Needs python-control 0.9.4 or later."""
+    import control
+    import numpy as np
+
+    model = _model.read_model(model)
+    return control.TimeResponseData(
+        record.start_time + record.sample_time * np.arange(len(record)),
+        record.outputs.T,
+        None,
+        record.inputs.T,
+        output_labels=list(model.outputs),
+        input_labels=list(model.inputs),
+    )

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Union
 
 from . import _mle
 from .correction import Progress
 from .files import FileResult, text_and_source
-from .model import ModelLike
-from .options import help_on, option_texts
+from .model import ModelLike, given_model
+from .options import help_on, option_texts, takes_keywords
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .keywords import LifecycleOptions
 
 
 class LifecycleResult(FileResult):
@@ -46,6 +51,7 @@ class LifecycleResult(FileResult):
         return self.policies.to_html(float_format="{:.4g}".format, na_rep="", index=False)
 
 
+@takes_keywords(_mle._lifecycle_options())
 def lifecycle(
     model: ModelLike,
     ageing: Union[Mapping[str, Any], str, "os.PathLike[str]"],
@@ -53,7 +59,7 @@ def lifecycle(
     *,
     out: Union[str, "os.PathLike[str]", None] = None,
     progress: Optional[Progress] = None,
-    **options: Any,
+    **options: Unpack[LifecycleOptions],
 ) -> LifecycleResult:
     """Lets a plant age over years under predictive control, and compares policies of
     keeping the controller's model up to date, as the command mle_lifecycle does.
@@ -74,9 +80,9 @@ def lifecycle(
     arguments = ["model", shown] + ([] if plant is None else ["plant"])
     call = ", ".join(arguments + [f"{name}={value!r}" for name, value in options.items()])
     files = _mle._lifecycle(
-        os.fspath(model) if isinstance(model, os.PathLike) else model,
+        given_model(model),
         text,
-        plant,
+        given_model(plant),
         "" if out is None else os.fspath(out),
         texts,
         f"mle.lifecycle({call})",

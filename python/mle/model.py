@@ -10,15 +10,25 @@ from typing import Any, Optional, Sequence, Union
 from . import _mle
 from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
 
-# What functions take as a model: one of these, or the path of a file.
-ModelLike = Union[ProcessModel, StepResponseModel, StateSpaceModel, str, "os.PathLike[str]"]
+KINDS = (ProcessModel, StepResponseModel, StateSpaceModel)
+# What functions take as a model: one of these, the path of a file, or a system of
+# scipy.signal or python-control without dead times.
+ModelLike = Union[ProcessModel, StepResponseModel, StateSpaceModel, str, "os.PathLike[str]", Any]
+
+
+def given_model(model: ModelLike) -> Any:
+    """What the compiled module takes: systems of other packages become models."""
+    if isinstance(model, KINDS) or not hasattr(model, "dt"):
+        return model
+    from .interop import from_systems
+
+    return from_systems(model)
 
 
 def read_model(model: ModelLike) -> Union[ProcessModel, StepResponseModel, StateSpaceModel]:
-    """The model itself, or that of a file."""
-    if isinstance(model, (ProcessModel, StepResponseModel, StateSpaceModel)):
-        return model
-    return _mle._process(model)
+    """The model itself, or that of a file or system."""
+    model = given_model(model)
+    return model if isinstance(model, KINDS) else _mle._process(model)
 
 
 def numbers(values: Any, name: str) -> Any:
@@ -90,6 +100,7 @@ def from_fopdt(
     time_constant: Any,
     delay: Any = 0.0,
     *,
+    integrating: Any = False,
     inputs: Optional[Sequence[str]] = None,
     outputs: Optional[Sequence[str]] = None,
     time_unit: str = "min",
@@ -102,8 +113,10 @@ def from_fopdt(
 
     ``gain`` K is (p, m), outputs x inputs, 0 where an input does not reach an
     output; ``time_constant`` T > 0 and ``delay`` L >= 0 are (p, m) or one number
-    for all, in ``time_unit`` (ms, s, min, h or d). Names are y1, y2, ... and
-    u1, u2, ... unless given; ``disturbances`` are the names of inputs that are
+    for all, in ``time_unit`` (ms, s, min, h or d). Where ``integrating``, (p, m) or
+    one for all, is true, the element is K e^(-L s) / (s (T s + 1)) with T >= 0: K is
+    a slope, as of a level. Names are those of a data frame ``gain``, or y1, y2, ... and
+    u1, u2, ..., unless given; ``disturbances`` are the names of inputs that are
     measured but not manipulated. Raises ValueError.
     """
     import numpy as np
@@ -112,8 +125,12 @@ def from_fopdt(
     if len(shape) != 2:
         raise ValueError(f"gain has the shape {shape}; it must be (outputs, inputs)")
     p, m = shape
+    if hasattr(gain, "columns"):
+        inputs = [str(name) for name in gain.columns] if inputs is None else inputs
+        outputs = [str(name) for name in gain.index] if outputs is None else outputs
     inputs = _names(inputs, m, "u")
     outputs = _names(outputs, p, "y")
+    integrates = _table(integrating, "integrating", p, m)
     gains = _table(gain, "gain", p, m)
     times = _table(time_constant, "time_constant", p, m)
     delays = _table(delay, "delay", p, m)
@@ -124,6 +141,7 @@ def from_fopdt(
             "gain": gains[i][j],
             "time_constant": times[i][j],
             "delay": delays[i][j],
+            **({"integrating": True} if integrates[i][j] else {}),
         }
         for i in range(p)
         for j in range(m)

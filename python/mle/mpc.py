@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import TYPE_CHECKING, Any, Dict
 
 from . import _mle
-from .model import ModelLike
-from .options import option_texts
+from .model import ModelLike, given_model
+from .options import option_texts, takes_keywords
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .keywords import MpcOptions
 
 
 class Mpc:
@@ -20,9 +25,10 @@ class Mpc:
     ``output_limit_cost``. Raises InvalidInputError.
     """
 
-    def __init__(self, model: ModelLike, **options: Any) -> None:
-        self._options: Dict[str, Any] = options
-        self._mpc = _mle._Mpc(model, self._texts(options))
+    @takes_keywords(_mle._mpc_options())
+    def __init__(self, model: ModelLike, **options: Unpack[MpcOptions]) -> None:
+        self._options: Dict[str, Any] = dict(options)
+        self._mpc = _mle._Mpc(given_model(model), self._texts(self._options))
 
     @staticmethod
     def _texts(options: Dict[str, Any]) -> list:
@@ -48,12 +54,12 @@ class Mpc:
         to rest at outputs (p,)."""
         self._mpc.restart(inputs, outputs)
 
-    def exchange_model(self, model: ModelLike, **options: Any) -> None:
+    def exchange_model(self, model: ModelLike, **options: Unpack[MpcOptions]) -> None:
         """Continues with another model, and other options where given, without a
         bump. Raises InvalidInputError, and changes nothing, for other channels or
         another control period."""
         merged = {**self._options, **options}
-        self._mpc.exchange(model, self._texts(merged))
+        self._mpc.exchange(given_model(model), self._texts(merged))
         self._options = merged
 
     @property

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import operator
 import textwrap
 from collections.abc import Iterable, Mapping
-from typing import Any, List, Sequence, Tuple
+from typing import Any, Callable, List, Sequence, Tuple, TypeVar
 
 
 def _number(value: Any) -> str:
@@ -46,19 +47,19 @@ def _part(part: Any) -> str:
     return text_of(part)
 
 
-# (group, name, default, unit and range, meaning) of an option.
-Table = Sequence[Tuple[str, str, str, str, str]]
+# (group, name, default, unit and range, meaning, names to choose from) of an option.
+Table = Sequence[Tuple[str, str, str, str, str, List[str]]]
 
 
 def names_of(table: Table) -> List[str]:
-    return [name for _, name, _, _, _ in table]
+    return [option[1] for option in table]
 
 
 def help_on(table: Table) -> str:
     """The options of a table, a group after the other."""
     lines: List[str] = []
     last = None
-    for group, name, default, kind, meaning in table:
+    for group, name, default, kind, meaning, _ in table:
         if group != last:
             lines += ["", group]
             last = group
@@ -79,3 +80,25 @@ def option_texts(
             hint = f"; did you mean '{near[0]}'?" if near else ""
             raise TypeError(f"{function}() got an unexpected keyword argument '{name}'{hint}")
     return [(name, text_of(value)) for name, value in options.items()]
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def takes_keywords(table: Table) -> Callable[[Function], Function]:
+    """Names the options of a table in the signature of a function that takes them as
+    ``**options``, so that notebooks complete them."""
+
+    def named(function: Function) -> Function:
+        signature = inspect.signature(function)
+        own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        keywords = [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default)
+            for _, name, default, *_ in table
+        ]
+        function.__signature__ = signature.replace(  # type: ignore[attr-defined]
+            parameters=own + keywords
+        )
+        return function
+
+    return named

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Mapping, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, List, Mapping, Sequence, Tuple
 
 from . import _mle
 from ._mle import Record
-from .model import ModelLike, read_model
-from .options import names_of, option_texts, text_of
+from .model import KINDS, ModelLike, given_model, read_model
+from .options import names_of, option_texts, takes_keywords, text_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .keywords import ReadOptions
 
 # Options that say how a text is read, and mean nothing for a table.
 _OF_TEXT = (
@@ -64,14 +69,18 @@ def _times(frame: Any, name: str, time_column: str, zone: str):
     index = frame.index
     columns = list(range(len(frame.columns)))
     at = [k for k in columns if frame.columns[k] == time_column]
+    if not at and getattr(index.dtype, "kind", "O") in "iu" and index.name != time_column:
+        # Whatever their column is called, there may be dates.
+        at = [k for k in columns if getattr(frame.dtypes.iloc[k], "kind", "O") == "M"]
     if not isinstance(index, pd.DatetimeIndex) and len(at) == 1:
         columns.remove(at[0])
         index = pd.Index(frame.iloc[:, at[0]])
     elif getattr(index.dtype, "kind", "O") in "iu" and index.name != time_column:
         raise _mle_error(
-            f"{name} has no times: its index counts rows, and it has no column '{time_column}'; "
-            "its index must be a DatetimeIndex, or times in the model's unit with the name "
-            f"'{time_column}'"
+            f"{name} has no times: its index counts rows, and it has no column '{time_column}' and "
+            "not one column of dates; its index must be a DatetimeIndex "
+            "(frame.set_index(pandas.to_datetime(frame['Timestamp']))), or times in the model's "
+            f"unit with the name '{time_column}'"
         )
     if isinstance(index, pd.DatetimeIndex):
         seconds, zone = _dates(index, name, zone)
@@ -164,6 +173,13 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
     ("records", records)."""
     if isinstance(records, (str, os.PathLike, Record)) or _is_frame(records):
         records = [records]
+    if hasattr(records, "output_labels"):
+        records = [_of_responses(records)]
+    if hasattr(records, "to_frame"):
+        raise TypeError(
+            "a Series is one channel; a data frame has a column for each input and output: "
+            "pandas.concat([series, ...], axis=1)"
+        )
     records = list(records)
     if not records:
         raise _mle_error("there are no records")
@@ -183,14 +199,43 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
     )
 
 
-def read_records(records: Any, model: ModelLike, **options: Any) -> List[Record]:
+def _of_responses(response: Any) -> Any:
+    """A data frame of python-control's TimeResponseData."""
+    import numpy as np
+    import pandas as pd
+
+    count = len(response.time)
+    samples = [np.reshape(part, (-1, count)).T for part in (response.outputs, response.inputs)]
+    labels = [*response.output_labels, *response.input_labels]
+    index = pd.Index(response.time, dtype=float, name="time")
+    return pd.DataFrame(np.hstack(samples), index, labels)
+
+
+def imported(records: Any, model: ModelLike, options: Mapping[str, Any], function: str) -> tuple:
+    """Records, and the date of their time 0 (None: they have no dates)."""
+    import pandas as pd
+
+    if isinstance(records, KINDS):
+        raise TypeError(f"{function}(): the records come first, then the model")
+    texts = option_texts(function, _mle._read_options(), options)
+    model = given_model(model)
+    read, origin, zone = _mle._read_records(source_of(records, options), model, texts)
+    if origin is None:
+        return read, None
+    start = pd.Timestamp(origin, unit="s", tz="UTC")
+    return read, start.tz_convert(zone) if zone else start.tz_localize(None)
+
+
+@takes_keywords(_mle._read_options())
+def read_records(
+    records: Any, model: ModelLike, **options: Unpack[ReadOptions]
+) -> List[Record]:
     """The records of files, databases or data frames, as :func:`correct` uses them: columns
     matched with the channels of ``model``, resampled to one sample time, short
     gaps of inputs bridged. ``options`` are those of the command under "Reading
     the records" (docs/commands.md), as ``sample_time``, ``tags`` or
     ``max_gap``."""
-    texts = option_texts("read_records", _mle._read_options(), options)
-    return _mle._read_records(source_of(records, options), model, texts)
+    return imported(records, model, options, "read_records")[0]
 
 
 def to_dataframe(
@@ -201,7 +246,6 @@ def to_dataframe(
     """A data frame of a record with the columns that the command reads: outputs,
     ``<output>_setpoint``, inputs. Its index is the time in the model's unit, or,
     with ``start`` (a date), a DatetimeIndex from there."""
-    import numpy as np
     import pandas as pd
 
     model = read_model(model)
@@ -222,12 +266,20 @@ def to_dataframe(
             columns[name + "_setpoint"] = record.set_points[:, i]
     for j, name in enumerate(model.inputs):
         columns[name] = record.inputs[:, j]
+    return pd.DataFrame(columns, index=times_of(record, model, start))
+
+
+def pandas_unit(model: Any) -> str:
+    return {"min": "m", "d": "D"}.get(model.time_unit, model.time_unit)
+
+
+def times_of(record: Record, model: Any, start: Any = None) -> Any:
+    """The index of a record: times in the model's unit, or dates from ``start`` on."""
+    import numpy as np
+    import pandas as pd
+
     times = record.start_time + record.sample_time * np.arange(len(record))
     if start is None:
-        index = pd.Index(times, name="time")
-    else:
-        unit = {"min": "m", "d": "D"}.get(model.time_unit, model.time_unit)
-        index = pd.DatetimeIndex(
-            pd.Timestamp(start) + pd.to_timedelta(times, unit=unit), name="time"
-        )
-    return pd.DataFrame(columns, index=index)
+        return pd.Index(times, name="time")
+    spans = pd.to_timedelta(times, unit=pandas_unit(model))
+    return pd.DatetimeIndex(pd.Timestamp(start) + spans, name="time")

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 from . import _mle
 from ._mle import Record
-from .model import ModelLike
-from .options import help_on, option_texts
+from .model import ModelLike, given_model
+from .options import help_on, option_texts, takes_keywords
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .keywords import SimulateOptions
 
 
+@takes_keywords(_mle._simulate_options())
 def simulate(
     model: ModelLike,
     plant: Optional[ModelLike] = None,
     *,
     controller: Optional[Callable[[Any, Any, Any], Any]] = None,
-    **options: Any,
+    **options: Unpack[SimulateOptions],
 ) -> Record:
     """The record that a historian would have of a plant under predictive control.
 
@@ -34,6 +40,7 @@ def simulate(
     Raises InvalidInputError, and NotUsableError where the loop diverges.
     """
     texts = option_texts("simulate", _mle._simulate_options(), options)
+    model, plant = given_model(model), given_model(plant)
     if controller is None:
         return _mle._simulate(model, plant, texts)
     return _mle._simulate_with(model, plant, texts, controller)

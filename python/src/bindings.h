@@ -16,6 +16,7 @@ void AddCorrection(pybind11::module_& module);
 void AddSimulation(pybind11::module_& module);
 void AddController(pybind11::module_& module);
 void AddStudies(pybind11::module_& module);
+void AddPrediction(pybind11::module_& module);
 void AddLifecycles(pybind11::module_& module);
 
 }  // namespace mle::python

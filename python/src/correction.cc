@@ -9,10 +9,12 @@
 #include "apps/common/command_line.h"
 #include "apps/common/sha256.h"
 #include "apps/correct/data_sources.h"
+#include "apps/correct/prospects.h"
 #include "apps/correct/report.h"
 #include "apps/correct/request.h"
 #include "apps/correct/result.h"
 #include "apps/report/drawing.h"
+#include "apps/report/svg.h"
 #include "mle/base/status.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/maintain/correct.h"
@@ -177,6 +179,45 @@ std::shared_ptr<const Correction> Correct(const py::object& model,
       progress));
 }
 
+// What the records tell before anything is fitted.
+struct Advice {
+  ProcessModel model;
+  std::string text;
+  std::vector<Message> notes;
+  std::vector<Message> warnings;
+  absl::StatusOr<correct::Prospects> prospects;
+};
+
+absl::StatusOr<Advice> AdviseOn(const CorrectCall& call,
+                                const ProgressCallback& report) {
+  std::vector<correct::DataFile> files;
+  MLE_ASSIGN_OR_RETURN(const RecordData data, Load(call, report, files));
+  const ProcessModel& model = call.request.model;
+  Advice advice = {.model = model,
+                   .notes = data.notes,
+                   .warnings = data.warnings,
+                   .prospects = correct::FindProspects(
+                       data, model, call.request.options.threads)};
+  advice.text = correct::DescribeRecords(data, files, model, advice.prospects);
+  return advice;
+}
+
+// A row for each element that is not zero: (output, input, state, errors of
+// gain, time scale and dead time).
+py::list RowsOf(const Advice& advice) {
+  py::list rows;
+  if (!advice.prospects.ok()) return rows;
+  for (const auto& [i, j] : Pairs(advice.model)) {
+    const PairErrors& pair = advice.prospects->information.pair(i, j);
+    if (pair.state == PairState::kAbsent) continue;
+    rows.append(py::make_tuple(advice.model.outputs()[i].name,
+                               advice.model.inputs()[j].name,
+                               std::string(correct::NameOf(pair.state)),
+                               pair.gain, pair.time_scale, pair.delay));
+  }
+  return rows;
+}
+
 std::string JsonOfCorrection(const Correction& correction) {
   return ValueOrThrow(correct::FormatResult(correction.result, correction.call,
                                             correction.options));
@@ -189,6 +230,25 @@ std::string PageOf(const Correction& correction) {
       report::DrawFigures(correct::MakeFigures(result), result.options.threads),
       HowToCallAgain(correction.call, correction.options,
                      correct::Checksums(result)));
+}
+
+// The map of pairs and the responses that have changed, as SVG.
+std::vector<std::string> PicturesOf(const Correction& correction) {
+  std::vector<report::NamedFigure> chosen;
+  for (report::NamedFigure& figure : correct::MakeFigures(correction.result)) {
+    if (figure.name == "mismatch_map" || figure.name == "changed_responses") {
+      chosen.push_back(std::move(figure));
+    }
+  }
+  std::vector<std::string> pictures;
+  for (const report::NamedFigure& figure : chosen) {
+    if (absl::StatusOr<std::string> svg =
+            report::SvgFile(figure.figure, figure.caption, figure.alt);
+        svg.ok()) {
+      pictures.push_back(*std::move(svg));
+    }
+  }
+  return pictures;
 }
 
 // (time (N,), initial, corrected, lower or None, upper or None: (N, p, m)).
@@ -227,6 +287,25 @@ py::list MessagesOf(const std::vector<Message>& messages) {
                                message.options));
   }
   return list;
+}
+
+// (text, rows, whether inputs answer to each output, obstacle, warnings,
+// notes).
+py::tuple Advise(const py::object& model, const py::tuple& source,
+                 const OptionTexts& options) {
+  const auto call = std::make_shared<CorrectCall>();
+  call->source = SourceOf(source);
+  PrepareCorrection(model, py::none(), options, *call);
+  const Advice advice = ValueOrThrow(RunLongFor<Advice>(
+      [call](const ProgressCallback& report) {
+        return AdviseOn(*call, report);
+      },
+      py::none()));
+  return py::make_tuple(
+      TextOf(WithoutDashes(advice.text)), RowsOf(advice),
+      advice.prospects.ok() ? advice.prospects->feedback : std::vector<bool>(),
+      TextOf(WithoutDashes(std::string(advice.prospects.status().message()))),
+      MessagesOf(advice.warnings), MessagesOf(advice.notes));
 }
 
 // Names and texts of the models that a result may have.
@@ -286,6 +365,16 @@ void AddCorrection(py::module_& module) {
       .def("json", &JsonOfCorrection)
       .def("page", &PageOf, py::call_guard<py::gil_scoped_release>())
       .def("responses", &ResponsesOf)
+      .def(
+          "short_verdict",
+          [](const Correction& c) {
+            return TextOf(absl::StrJoin(correct::ShortVerdict(c.result), "\n"));
+          })
+      .def("details",
+           [](const Correction& c) {
+             return TextOf(WithoutDashes(correct::Details(c.result)));
+           })
+      .def("figures", &PicturesOf, py::call_guard<py::gil_scoped_release>())
       .def("model_files", &ModelFilesOf)
       .def("corrected_as_given", &CorrectedAsGiven)
       .def_property_readonly(
@@ -308,6 +397,7 @@ void AddCorrection(py::module_& module) {
              py::arg("options"), py::arg("truth"), py::arg("text"),
              py::arg("progress"));
   module.def("_correct_options", &OptionsOfCorrect);
+  module.def("_advice", &Advise);
 }
 
 }  // namespace mle::python

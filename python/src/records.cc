@@ -95,6 +95,9 @@ absl::StatusOr<HistorianImport> Import(const RecordSource& source,
                                        const ProcessModel& model,
                                        const HistorianOptions& options,
                                        const DatabaseOptions& database) {
+  if (!source.records.empty()) {
+    return HistorianImport{.records = source.records, .report = {}};
+  }
   if (!source.tables.empty()) {
     return ImportTables(source.tables, model, options);
   }
@@ -103,9 +106,9 @@ absl::StatusOr<HistorianImport> Import(const RecordSource& source,
   return ImportHistorianSources(sources, model, options);
 }
 
-std::vector<Record> ReadRecords(const py::tuple& from,
-                                const py::object& argument,
-                                const OptionTexts& options) {
+// (records, seconds since 1970 at time 0 or None, time zone).
+py::tuple ReadRecords(const py::tuple& from, const py::object& argument,
+                      const OptionTexts& options) {
   const ProcessModel model = ProcessOf(argument);
   const RecordSource source = SourceOf(from);
   HistorianOptions import;
@@ -122,7 +125,9 @@ std::vector<Record> ReadRecords(const py::tuple& from,
     const py::gil_scoped_release release;
     imported = Import(source, model, import, database);
   }
-  return ValueOrThrow(std::move(imported)).records;
+  HistorianImport read = ValueOrThrow(std::move(imported));
+  return py::make_tuple(std::move(read.records), read.report.time_origin,
+                        read.report.time_zone);
 }
 
 py::list OptionsOfReading() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,11 +11,13 @@
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/folder_lock.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 #include "mle/model/step_response.h"
 #include "tests/apps/correct_runs.h"
+#include "tests/apps/started_command.h"
 
 namespace mle {
 namespace {
@@ -120,8 +123,37 @@ TEST(MleCorrectFiles, TheDryRunWritesNothing) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("Windows around set-point changes"));
   EXPECT_THAT(run.out, HasSubstr("y2 0 → 1"));
+  // Each element with what may be expected of it.
+  EXPECT_THAT(run.out, ContainsRegex("y2 ← u1 .* informed"));
+  EXPECT_THAT(run.out, HasSubstr("Inputs answer to y1, y2"));
   EXPECT_THAT(run.err, ContainsRegex("at most [0-9]+ MiB of memory were used"));
   EXPECT_FALSE(std::filesystem::exists(example.out));
+}
+
+TEST(MleCorrectFiles, AnInterruptedRunLeavesNoFolder) {
+  const HeaterExample example(WithHalvedGain());
+  const auto stop = [&](const std::string& out) {
+    const std::string log = out + ".log";
+    StartedCommand command(
+        MLE_TESTED_COMMAND,
+        CorrectionFlags(example.model, example.data, out,
+                        {"--estimator=arx", "--conversion_samples=1000000"}),
+        log);
+    command.Await([&] {
+      return std::filesystem::exists(out) && !FolderLock::Take(out).ok();
+    });
+    command.Send(SIGINT);
+    EXPECT_EQ(command.ExitCode(), 1);
+    return Content(log);
+  };
+  const std::string fresh = example.scratch / "fresh";
+  EXPECT_THAT(stop(fresh), HasSubstr("stopped: nothing was written\n"));
+  EXPECT_FALSE(std::filesystem::exists(fresh));
+  // What was there before stays.
+  const std::string old = example.scratch / "old";
+  std::filesystem::create_directory(old);
+  EXPECT_THAT(stop(old), HasSubstr("are as they were"));
+  EXPECT_TRUE(std::filesystem::exists(old));
 }
 
 TEST(MleCorrectFiles, NamesAreTextWhateverTheyHold) {

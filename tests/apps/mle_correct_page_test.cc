@@ -180,8 +180,9 @@ TEST(MleCorrectPageTest, ResponsesThatHaveNotBegunAreNoFigure) {
 }
 
 TEST_F(MleCorrectPage, FiguresShowTheResponsesOfTheFile) {
+  // Behind the outputs measured and simulated.
   const report::ShownPanel panel =
-      report::FiguresOf(html_, true).at(0).panels.at(0);
+      report::FiguresOf(html_, true).at(1).panels.at(0);
   const auto lines = ParsedCsv(out_ + "/step_response.csv");
   int compared = 0;
   for (const report::ShownSeries& series : panel.series) {
@@ -207,7 +208,7 @@ TEST_F(MleCorrectPage, RecordsAreDrawnWithTheirWindowsAndBadSamples) {
   EXPECT_EQ(panel.spans, static_cast<int>(result_["windows"].size()));
   const auto bad = std::find_if(
       panel.series.begin(), panel.series.end(),
-      [](const report::ShownSeries& s) { return s.label == "bad sample"; });
+      [](const report::ShownSeries& s) { return s.label == "not used"; });
   ASSERT_NE(bad, panel.series.end());
   // All that are lost in the file.
   int lost = 0;

@@ -144,8 +144,8 @@ TEST_F(MleLifecycleTest, PoliciesAreComparedWithTheCheapest) {
   const PageTable table = TableOf(html, "What a year costs under each policy");
   ASSERT_EQ(table.rows.size(), 1u + 4u);
   EXPECT_EQ(table.rows[1][3], "cheapest");
-  EXPECT_EQ(table.rows[4][3], "the floor");
-  EXPECT_EQ(table.rows[4][0], "perfect model (the floor)");
+  EXPECT_EQ(table.rows[4][3], "the reference");
+  EXPECT_EQ(table.rows[4][0], "perfect model (the reference)");
   ExpectShows(table.rows[1][1], least);
   const nlohmann::json& perfect = rate.at("policies").at(3);
   ExpectShows(table.rows[4][2],

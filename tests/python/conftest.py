@@ -19,6 +19,11 @@ def configs():
 
 
 @pytest.fixture(scope="session")
+def source():
+    return CONFIGS.parent
+
+
+@pytest.fixture(scope="session")
 def loop():
     """A small loop: (model, plant that has aged, record of both)."""
     names = {"inputs": ["valve"], "outputs": ["level"]}

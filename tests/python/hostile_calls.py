@@ -254,7 +254,7 @@ class World:
 
     @staticmethod
     def defaults(table):
-        return {name: default for _, name, default, _, _ in table}
+        return {option[1]: option[2] for option in table}
 
     def some_options(self, kind, draw):
         """A few at their defaults; each may be damaged."""
@@ -270,7 +270,7 @@ class World:
         return mle.from_fopdt, dict(gain=[[1.0, 0.5], [0.0, 2.0]], time_constant=[[5.0, 4.0], [3.0, 8.0]],
                                     delay=[[0.0, 1.0], [2.0, 0.5]], inputs=["a", "b"], outputs=["c", "d"],
                                     time_unit="s", name="m", input_units=["%", "t/h"], output_units=["K", "bar"],
-                                    disturbances=["b"])
+                                    disturbances=["b"], integrating=draw.choice([False, [[True, False], [0, 1]]]))
 
     def call_from_transfer_functions(self, draw):
         return mle.from_transfer_functions, dict(numerators=[[[1.0], [0.5, 1.0]]], delays=[[0.0, 1.0]],
@@ -317,6 +317,24 @@ class World:
         return (lambda records, model, options: mle.read_records(records, model, **options),
                 dict(records=draw.choice([self.frame, [self.frame.iloc[:70], self.frame.iloc[70:]]]),
                      model=self.model, options=draw.choice([{}, {"time_column": "time"}, {"max_gap": 3}])))
+
+    def call_compare(self, draw):
+        return (lambda records, model, horizon, options: mle.compare(records, model, horizon=horizon, **options).fits,
+                dict(records=draw.choice([self.frame, self.record]), model=draw.choice([self.model, self.plant]),
+                     horizon=draw.choice([None, 1, 20]), options=draw.choice([{}, {}, {"max_gap": 3}])))
+
+    def call_resid(self, draw):
+        return mle.resid, dict(records=self.record, model=self.model, max_lag=draw.choice([None, 7]))
+
+    def call_lsim(self, draw):
+        return mle.lsim, draw.choice([dict(model=self.model, U=self.frame[["valve"]]),
+                                      dict(model=self.two, U=np.ones((20, 2)), T=1.0)])
+
+    def call_advice(self, draw):
+        def run(records, model, options):
+            return str(mle.advice(records, model, **affordable({**options})))
+
+        return run, dict(records=self.record, model=self.model, options=self.some_options("correct", draw))
 
     def call_plant(self, draw):
         def run(model, sample_time, inputs):

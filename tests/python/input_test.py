@@ -98,12 +98,28 @@ def test_index_without_times(loop, frame):
         mle.correct(loop[0], frame)
 
 
+def test_column_of_dates(loop, frame):
+    """Whatever it is called, as exports have it; text has to become dates."""
+    expected = mle.read_records(frame, loop[0])[0]
+    plain = frame.reset_index().rename(columns={"time": "Timestamp"})
+    record = mle.read_records(plain, loop[0])[0]
+    assert record.outputs.tobytes() == expected.outputs.tobytes()
+    plain["Timestamp"] = plain["Timestamp"].astype(str)
+    with refused(r"set_index\(pandas.to_datetime\(frame\['Timestamp'\]\)\)"):
+        mle.correct(loop[0], plain)
+
+
+def test_series(loop, frame):
+    with refused("a Series is one channel", TypeError):
+        mle.correct(loop[0], frame["level"])
+
+
 def test_index_that_does_not_increase(loop, frame):
     swapped = frame.iloc[[0, 1, 3, 2, *range(4, len(frame))]]
     with refused("data frame: row 4: time 2024-03-04 06:02 follows 2024-03-04 06:03") as caught:
         mle.correct(loop[0], swapped)
     assert caught.value.options == ("skip_backward_times",)
-    with refused("follows"):
+    with refused(r"follows .*: sort the rows \(a data frame by sort_index\(\)\)"):
         mle.correct(loop[0], frame.iloc[::-1])
     with refused("row 3: time 2024-03-04 06:01 is duplicated"):
         mle.correct(loop[0], frame.iloc[[0, 1, 1, *range(2, len(frame))]])

@@ -24,6 +24,18 @@ def test_from_fopdt_is_the_closed_form():
         response[0, 0, 0] = 1.0  # a view that may not be written to
 
 
+def test_labels_and_integrators():
+    """A data frame of gains names the channels; an integrator's response is a ramp."""
+    pd = pytest.importorskip("pandas")
+    gain = pd.DataFrame([[0.1, 2.0]], index=["level"], columns=["inlet", "heat"])
+    model = mle.from_fopdt(gain, 5.0, 1.0, integrating=[[True, False]])
+    assert (model.inputs, model.outputs) == (["inlet", "heat"], ["level"])
+    ramp = model.step_response(1.0, 201)[:, 0, 0]
+    assert np.diff(ramp)[-1] == pytest.approx(0.1) and ramp[-1] == pytest.approx(0.1 * (200 - 6))
+    with pytest.raises(ValueError, match=r"integrating has the shape \(1,\)"):
+        mle.from_fopdt(gain, 5.0, integrating=[True])
+
+
 def test_json_round_trip_and_equality(configs):
     model = mle.ProcessModel.read(configs / "dryer.json")
     again = mle.ProcessModel.from_json(model.to_json())

@@ -58,6 +58,19 @@ def test_wheel_installs_into_a_fresh_environment(backend, tmp_path):
         assert part in shown
 
 
+def test_metadata_need_no_build(backend, tmp_path):
+    folder = backend.prepare_metadata_for_build_wheel(tmp_path)
+    text = (tmp_path / folder / "METADATA").read_text(encoding="utf-8")
+    assert f"Version: {mle.__version__}\n" in text and "Requires-Dist: numpy\n" in text
+
+
+def test_compilation_that_fails_is_an_error(backend, capfd):
+    backend._compile(["printf", "[1/2] one\n[2/2] two\n"])
+    assert capfd.readouterr().out == "[1/2] one\n[2/2] two\n"
+    with pytest.raises(subprocess.CalledProcessError):
+        backend._compile(["false"])
+
+
 def members(node):
     """Names that a class or module of the stubs has, without private types."""
     names = set()

@@ -75,12 +75,31 @@ def test_page_and_files(result, tmp_path):
     assert mle.ProcessModel.read(tmp_path / "all" / "model.json") == result.corrected
 
 
+def test_what_is_printed(result):
+    first, second, *_ = str(result).split("\n")
+    assert first == "Use the corrected model in the controller."
+    assert second.startswith("Gain of level ← valve rose by ")
+    assert "report.html" not in str(result)
+    summary = result.summary()
+    assert summary.startswith(str(result)) and "What to do" in summary and "--" not in summary
+    shown = result._repr_html_()
+    assert shown.count("data:image/svg+xml;base64,") == 2 and second.rstrip(".") in shown
+
+
+def test_figure(result):
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    (axis,) = result.plot().axes
+    assert "changed" in axis.get_title() and len(axis.lines) == 2
+    pyplot.close("all")
+
+
 def test_pickled_results_are_the_same(result):
     again = pickle.loads(pickle.dumps(result))
     assert again.to_json() == result.to_json()
     assert again.report_html() == result.report_html()
     assert again.corrected == result.corrected
     assert again.reasons == result.reasons
+    assert again.summary() == result.summary() and again._repr_html_() == result._repr_html_()
     np.testing.assert_array_equal(again.step_response.upper, result.step_response.upper)
     assert again.elements.equals(result.elements)
 

@@ -75,7 +75,8 @@ TEST(StudyHeadlineTest, CasesThatEndFartherAreNamed) {
   EXPECT_EQ(verdict.headline,
             "Corrections end farther from the plant in 2 of 6 cases, closer in "
             "3");
-  EXPECT_THAT(Text(verdict), HasSubstr("Farther: case 1, arx:none; case 2, "));
+  EXPECT_THAT(Text(verdict),
+              HasSubstr("Farther: case 1, arx, no test; case 2, "));
   EXPECT_THAT(Text(verdict), HasSubstr("4 of 24 corrections (17 %)"));
 
   const std::vector<MethodTally> tallies = TallyMethods(campaign, summary);
@@ -90,8 +91,8 @@ TEST(StudyHeadlineTest, CasesThatEndFartherAreNamed) {
   EXPECT_EQ(tallies[1].closest, 3);
   EXPECT_EQ(tallies[1].harmed, 0.0);
   EXPECT_THAT(MethodTable(campaign, summary).rows[0],
-              ElementsAre("arx:none", "3", "1", "0", "2", "0", "200 %", "200 %",
-                          "33.3 %"));
+              ElementsAre("arx, no test", "3", "1", "0", "2", "0", "200 %",
+                          "200 %", "33.3 %"));
 }
 
 TEST(StudyHeadlineTest, NoCaseCloserWarns) {

@@ -19,7 +19,7 @@ PolicySummary Costing(const std::string& name, const MeanOfSeeds& excess) {
   return policy;
 }
 
-TEST(CostFigureTest, ShowsMeansAndIntervalsAboveTheFloor) {
+TEST(CostFigureTest, ShowsMeansAndIntervalsAboveTheReference) {
   RateSummary rate;
   rate.policies = {
       Costing("never", {400.0, 40.0}), Costing("output_error:3", {100.0, 20.0}),
@@ -31,15 +31,15 @@ TEST(CostFigureTest, ShowsMeansAndIntervalsAboveTheFloor) {
   EXPECT_THAT(panel.y.names,
               ElementsAre("step test every 12 months", "never updated",
                           "corrected every 3rd change"));
-  EXPECT_THAT(panel.x.label, HasSubstr("above the floor, EUR"));
+  EXPECT_THAT(panel.x.label, HasSubstr("above the reference, EUR"));
   ASSERT_EQ(panel.series.size(), 3u);
   EXPECT_THAT(panel.series[2].x, ElementsAre(80.0, 120.0));
   EXPECT_THAT(panel.series[2].y, ElementsAre(2.0, 2.0));
   EXPECT_EQ(panel.markers[2].x, 100.0);
-  // The floor is a line at zero with its name.
+  // The reference is a line at zero with its name.
   ASSERT_EQ(panel.lines.size(), 1u);
   EXPECT_EQ(panel.lines[0].value, 0.0);
-  EXPECT_EQ(panel.lines[0].label, kFloorLabel);
+  EXPECT_EQ(panel.lines[0].label, kReferenceLabel);
   // Tests that cost many times as much are shown as beyond.
   ASSERT_TRUE(panel.x.range.has_value());
   EXPECT_LT(panel.x.range->max, 1000.0);

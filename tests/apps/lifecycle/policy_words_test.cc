@@ -44,7 +44,7 @@ TEST(PolicyWordsTest, DescriptionsSayWhen) {
               HasSubstr("after every 3rd set-point change"));
   EXPECT_THAT(Description(Parsed("test:12")), HasSubstr("every 12 months"));
   EXPECT_THAT(Description(Parsed("on_demand:0.5")), HasSubstr("below 0.5"));
-  EXPECT_THAT(Description(Parsed("perfect")), HasSubstr("the floor"));
+  EXPECT_THAT(Description(Parsed("perfect")), HasSubstr("the reference"));
 }
 
 }  // namespace

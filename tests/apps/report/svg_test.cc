@@ -299,7 +299,7 @@ TEST(SvgTest, LongSeriesAreThinnedAndKeepTheirExtremes) {
 TEST(SvgTest, MarkersOfASeriesAreShapesAtItsPoints) {
   for (const MarkerShape shape : {MarkerShape::kCross, MarkerShape::kPlus,
                                   MarkerShape::kCircle, MarkerShape::kDisc}) {
-    Series series = MakeSeries(Role::kBad, "bad", {0, 1, 2}, {5, kNaN, 7});
+    Series series = MakeSeries(Role::kUnused, "bad", {0, 1, 2}, {5, kNaN, 7});
     series.style.marker = shape;
     const ShownSeries shown = Shown(WithSeries(series)).panels[0].series.at(0);
     EXPECT_THAT(shown.x, ElementsAre(DoubleNear(0, 1e-3), DoubleNear(2, 1e-3)));

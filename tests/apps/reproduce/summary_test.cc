@@ -85,6 +85,26 @@ TEST(Tables, ThePapersFiguresAreForItsOwnCases) {
   EXPECT_THAT(report::RenderText(GainTable(result)), HasSubstr("0.0933"));
 }
 
+TEST(Tables, ThePaperIsConfronted) {
+  CaseResult result = ExampleCase();
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  EXPECT_TRUE(PaperTable({result}).rows.empty());
+  result.from_paper = true;
+  const report::Table table = PaperTable({result});
+  ASSERT_EQ(table.rows.size(), 3u);  // λ* and two gains
+  EXPECT_EQ(table.rows[0][1], "about 1×10⁻³");
+  EXPECT_EQ(table.rows[0][2], "2.0×10⁻⁴ … 4.0×10⁻⁴");
+  EXPECT_EQ(table.rows[1][1], "0.0933");
+  EXPECT_EQ(table.rows[1][2], "0.30 … 0.40");
+  EXPECT_THAT(table.rows[1][3], HasSubstr("lies among these"));
+  // A decision that the paper leaves open, and where it leads.
+  AblationResult& ablation = result.ablations.emplace_back();
+  ablation.ablation = experiment::FindAblation("noise_free_conversion");
+  ablation.runs.push_back({.E = 778.0, .lambda = 1.6e-3});
+  EXPECT_THAT(PaperTable({result}).rows[0][3],
+              HasSubstr("without noise: 0.0016 (E 778)"));
+}
+
 TEST(Tables, OfOneRunShowItsValues) {
   CaseResult result = ExampleCase();
   result.runs.pop_back();

@@ -251,7 +251,9 @@ TEST(AgeingCostTest, AFallCostsMoreEveryMonthAndHasADate) {
   ASSERT_EQ(report.cost.state, CostState::kTold)
       << CostText(report.model, report.cost);
   const std::vector<CostPoint>& points = report.cost.points;
-  ASSERT_EQ(points.size(), 5U);
+  // Not further ahead than the watch has looked back.
+  ASSERT_EQ(points.size(), 4U);
+  EXPECT_EQ(points[3].day - watch.last_day(), watch.last_day() - watch.first);
   EXPECT_EQ(points[2].day, watch.last_day() + 90);
   for (std::size_t k = 0; k < points.size(); ++k) {
     EXPECT_LE(points[k].cost.low, points[k].cost.mean);
@@ -293,11 +295,28 @@ TEST(AgeingCostTest, WhatHasNotAgedCostsNothingAndHasNoDate) {
   EXPECT_EQ(json["ageing_cost"]["told"], "nothing_aged");
 }
 
+TEST(AgeingCostTest, APageTellsOneStory) {
+  Watch watch = WatchTank({{40.0, 1.0}, {40.0, 0.75}}, 100);
+  const int day = watch.last_day();
+  watch.alarms = {{.id = "1", .day = day, .text = "First news."},
+                  {.id = "2", .element = 0, .day = day, .text = "Steam has."}};
+  watch.proposals = {{.day = day, .decision = "cannot_tell"}};
+  const std::string page =
+      FormatControllerPage(ReportOf(TankController(), watch), ".");
+  // What is known now, and why the correction says something else.
+  EXPECT_THAT(page, HasSubstr("<dt>level</dt><dd>The gain of level"));
+  EXPECT_THAT(page, HasSubstr("cannot tell (below). The alarm rests on all"));
+  EXPECT_THAT(page, HasSubstr("It pays now. The records have not given"));
+  // Alarms of an output are one, the others folded.
+  EXPECT_LT(page.find("Steam has."), page.find("Alarms before these"));
+  EXPECT_GT(page.find("First news."), page.find("Alarms before these"));
+}
+
 TEST(AgeingCostTest, PagesAndProgramsAreTold) {
   const Watch watch = WatchTank({{40.0, 1.0}, {40.0, 0.75}}, 100);
   const Report report = ReportOf(TankController(), watch);
   EXPECT_THAT(FormatControllerPage(report, "."),
-              AllOf(HasSubstr("Costs of ageing"), HasSubstr(" EUR a month"),
+              AllOf(HasSubstr("Costs"), HasSubstr(" EUR a month"),
                     HasSubstr("It pays now.")));
   EXPECT_THAT(FormatOverview({report}), HasSubstr(">now<"));
   const auto json = nlohmann::json::parse(FormatController(report));

@@ -179,6 +179,21 @@ TEST(ElementTable, TakesChangedElements) {
   }
 }
 
+// Numbers that were given keep every digit, those that are new have five.
+TEST(ElementTable, NewNumbersAreForTyping) {
+  const ElementTable table = ParsedTable(kTable);
+  ElementTable changed = table;
+  changed.rows[0].gain = 8.0 * 0.651234567;
+  changed.rows[0].delay = -1.0 / 3.0;
+  const ElementTable rounded = ForTyping(table, changed);
+  EXPECT_EQ(rounded.rows[0].gain, 5.2099);
+  EXPECT_EQ(rounded.rows[0].delay, -0.33333);
+  EXPECT_EQ(rounded.rows[0].time_constant, table.rows[0].time_constant);
+  ElementTable fine = table;
+  fine.rows[1].gain = 0.123456789;
+  EXPECT_EQ(ForTyping(fine, fine).rows[1].gain, 0.123456789);
+}
+
 // What the form cannot hold is the nearest that it can, with its difference.
 TEST(ElementTable, StatesTheDifferenceOfOtherShapes) {
   const ElementTable table = ParsedTable(kTable);
