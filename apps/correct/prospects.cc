@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "Eigen/Core"
-#include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/correct/report.h"
@@ -14,16 +14,15 @@
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/data/stretches.h"
+#include "mle/explain/feedback.h"
 #include "mle/maintain/channel_scales.h"
 #include "mle/maintain/prediction.h"
-#include "mle/nonlinear/distributions.h"
 
 namespace mle::correct {
 namespace {
 
 // Of records without noise, relative to the output's own variance.
 constexpr double kLeastVariance = 1e-12;
-constexpr double kByChance = 0.01;
 
 double MeanSquare(const Eigen::RowVectorXd& values) {
   double sum = 0.0;
@@ -83,104 +82,6 @@ std::vector<Record> RecordsOfNoise(const RecordData& data,
   return samples >= std::max(kFewest, data.lead) ? rest : windows;
 }
 
-// Means over blocks of `samples`, a column each; NaN where one is missing.
-Eigen::MatrixXd BlockMeans(const Eigen::MatrixXd& values, int samples) {
-  Eigen::MatrixXd means(values.rows(), values.cols() / samples);
-  for (Eigen::Index b = 0; b < means.cols(); ++b) {
-    means.col(b) = values.middleCols(b * samples, samples).rowwise().mean();
-  }
-  return means;
-}
-
-constexpr int kInputLags = 6;
-constexpr int kErrorLags = 4;
-
-// Rows (1, lags of all inputs, lags of the errors, the inputs) for the blocks
-// of which all is known, added to those of other windows.
-void AddRows(const Eigen::MatrixXd& inputs, const Eigen::RowVectorXd& errors,
-             Eigen::MatrixXd& rows) {
-  const Eigen::Index m = inputs.rows();
-  for (Eigen::Index k = kInputLags; k < inputs.cols(); ++k) {
-    Eigen::RowVectorXd row(1 + kInputLags * m + kErrorLags + m);
-    row(0) = 1.0;
-    for (int l = 1; l <= kInputLags; ++l) {
-      row.segment(1 + (l - 1) * m, m) = inputs.col(k - l).transpose();
-    }
-    row.segment(1 + kInputLags * m, kErrorLags) =
-        errors.segment(k - kErrorLags, kErrorLags);
-    row.tail(m) = inputs.col(k).transpose();
-    if (!row.allFinite()) continue;
-    rows.conservativeResize(rows.rows() + 1, row.size());
-    rows.bottomRows(1) = row;
-  }
-}
-
-// What `columns` leave of each of `values`.
-Eigen::MatrixXd LeftOf(const Eigen::MatrixXd& columns,
-                       const Eigen::MatrixXd& values) {
-  return values - columns * columns.colPivHouseholderQr().solve(values);
-}
-
-// `values` of which the columns leave no more than four robust deviations: the
-// moves by which set points are followed would hide all others.
-Eigen::MatrixXd Winsorised(const Eigen::MatrixXd& columns,
-                           Eigen::MatrixXd values) {
-  constexpr double kLargest = 4.0;
-  constexpr int kFits = 5;
-  for (int fit = 0; fit < kFits; ++fit) {
-    const Eigen::MatrixXd left = LeftOf(columns, values);
-    for (Eigen::Index j = 0; j < left.cols(); ++j) {
-      const double limit =
-          kLargest * RobustDeviation(left.col(j).transpose().eval());
-      values.col(j) +=
-          left.col(j).cwiseMax(-limit).cwiseMin(limit) - left.col(j);
-    }
-  }
-  return values;
-}
-
-// Granger's test: whether the errors of a simulation help to predict an input
-// from its own past (Econometrica 37, 1969).
-bool HasFeedback(const Eigen::MatrixXd& rows, Eigen::Index m) {
-  const Eigen::Index columns = rows.cols() - m;
-  const auto left = static_cast<double>(rows.rows() - columns);
-  if (left < static_cast<double>(columns)) return false;
-  const Eigen::MatrixXd own = rows.leftCols(columns - kErrorLags);
-  const Eigen::MatrixXd inputs = Winsorised(own, rows.rightCols(m));
-  const Eigen::MatrixXd without = LeftOf(own, inputs);
-  const Eigen::MatrixXd with = LeftOf(rows.leftCols(columns), inputs);
-  for (Eigen::Index j = 0; j < m; ++j) {
-    const double rest = with.col(j).squaredNorm();
-    const double F =
-        (without.col(j).squaredNorm() - rest) / kErrorLags / (rest / left);
-    if (FisherTail(F, kErrorLags, left) < kByChance / static_cast<double>(m)) {
-      return true;
-    }
-  }
-  return false;
-}
-
-// p: whether some input answers to the output.
-std::vector<bool> FindFeedback(const std::vector<Record>& windows,
-                               const Predictor& predictor, int order) {
-  constexpr int kBlocksOfMemory = 10;
-  const int samples = std::max(1, order / kBlocksOfMemory);
-  const Eigen::Index m = windows.front().num_inputs();
-  std::vector<Eigen::MatrixXd> rows(windows.front().num_outputs());
-  for (const Record& window : windows) {
-    const Eigen::MatrixXd inputs = BlockMeans(window.inputs, samples);
-    const Eigen::MatrixXd errors = BlockMeans(predictor(window, 0), samples);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      AddRows(inputs, errors.row(static_cast<Eigen::Index>(i)), rows[i]);
-    }
-  }
-  std::vector<bool> feedback;
-  for (const Eigen::MatrixXd& one : rows) {
-    feedback.push_back(HasFeedback(one, m));
-  }
-  return feedback;
-}
-
 std::string PercentOf(double share) {
   return std::isfinite(share) ? report::FormatSignificant(100.0 * share, 2)
                               : "–";
@@ -234,9 +135,10 @@ absl::StatusOr<Prospects> FindProspects(const RecordData& data,
       AssessInformation(model, windows,
                         NoiseOfPredictions(quiet, predictor, ratios),
                         {.output_error = {.threads = threads}}));
-  prospects.feedback =
-      FindFeedback(windows, predictor,
-                   ConversionSettings().OrderFor(model, data.sample_time()));
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const std::optional<double> p_value = FeedbackPValue(model, windows, i);
+    prospects.feedback.push_back(p_value.has_value() && *p_value < kFeedback);
+  }
   return prospects;
 }
 

@@ -26,8 +26,8 @@ namespace mle::correct {
 
 struct Prospects {
   PairInformation information;  // of the windows
-  // p: the errors of a simulation help to predict an input beyond what happens
-  // by chance in one record of a hundred.
+  // p: inputs answer to the output (feedback.h), by a test that errs in one
+  // record of a hundred.
   std::vector<bool> feedback;
 };
 

@@ -41,6 +41,7 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/explain/explanation.h"
+#include "mle/explain/feedback.h"
 #include "mle/model/element_response.h"
 #include "mle/model/process_model.h"
 
@@ -84,9 +85,6 @@ struct HorizonErrors {
 
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;
-
-// Of the test of feedback; below it there is some.
-inline constexpr double kFeedback = 0.01;
 
 // The explanations of one output, and the evidence for them.
 struct OutputExplanation {

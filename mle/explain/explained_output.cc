@@ -61,7 +61,7 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   explained.longest_ = std::max(explained.longest_, explained.sample_time_);
   explained.AddNewPaths(model);
   explained.ChooseRows();
-  explained.FindLoads(model.num_outputs());
+  explained.FindSetPointMoves(model.num_outputs());
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
   }
@@ -145,7 +145,7 @@ void ExplainedOutput::ChooseRows() {
   ranges_ = (high - low).cwiseMax(0.0);
 }
 
-void ExplainedOutput::FindLoads(int set_points) {
+void ExplainedOutput::FindSetPointMoves(int set_points) {
   for (const Record& record : *records_) {
     if (record.set_points.rows() == 0) return;
   }
@@ -168,20 +168,21 @@ void ExplainedOutput::FindLoads(int set_points) {
     }
     if (!(range > 0.0)) continue;
     for (VectorXd& moved : moves) moved /= range;
-    loads_.push_back(std::move(moves));
+    set_point_moves_.push_back(std::move(moves));
   }
-  if (loads_.size() < 2) return;
-  std::vector<VectorXd> all = loads_.front();
-  for (std::size_t i = 1; i < loads_.size(); ++i) {
-    for (std::size_t r = 0; r < all.size(); ++r) all[r] += loads_[i][r];
+  if (set_point_moves_.size() < 2) return;
+  std::vector<VectorXd> all = set_point_moves_.front();
+  for (std::size_t i = 1; i < set_point_moves_.size(); ++i) {
+    for (std::size_t r = 0; r < all.size(); ++r)
+      all[r] += set_point_moves_[i][r];
   }
-  for (VectorXd& of : all) of /= static_cast<double>(loads_.size());
-  loads_.push_back(std::move(all));
+  for (VectorXd& of : all) of /= static_cast<double>(set_point_moves_.size());
+  set_point_moves_.push_back(std::move(all));
 }
 
 int ExplainedOutput::PartsOf(ExplanationKind kind) const {
   if (kind == Kind::kLoadWithSetPoints) {
-    return static_cast<int>(loads_.size());
+    return static_cast<int>(set_point_moves_.size());
   }
   return mle::PartsOf(kind);
 }
@@ -225,7 +226,8 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
     v.array() += curve * v.array().square() / distance;
   }
   if (load != 0.0) {
-    v += load * range * loads_[static_cast<std::size_t>(key[10])][record];
+    v += load * range *
+         set_point_moves_[static_cast<std::size_t>(key[10])][record];
   }
   return v;
 }

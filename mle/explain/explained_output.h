@@ -91,6 +91,11 @@ class ExplainedOutput {
       int input, const ElementValues& values,
       const std::vector<Explanation>& explanations) const;
 
+  // Of each set point that moves, from its first value and by its range, in
+  // each record; of several their mean, too, as the last.
+  const std::vector<std::vector<Eigen::VectorXd>>& set_point_moves() const {
+    return set_point_moves_;
+  }
   // An input as means of the rows.
   Eigen::VectorXd InputRows(int input) const;
   // A signal of all samples as means of the rows.
@@ -127,7 +132,7 @@ class ExplainedOutput {
   static absl::StatusOr<TransferFunction> Shaped(const Element& element,
                                                  const Shape& shape);
   void ChooseRows();
-  void FindLoads(int set_points);
+  void FindSetPointMoves(int set_points);
   std::vector<Eigen::VectorXd> Simulate(const Element& element,
                                         const Key& key) const;
   const std::vector<Eigen::VectorXd>& ResponseOf(int element,
@@ -152,9 +157,7 @@ class ExplainedOutput {
   std::vector<Eigen::MatrixXd> filled_;
   Eigen::VectorXd ranges_;
   Eigen::VectorXd distances_;
-  // What a load that comes with set points may follow, in each record: one that
-  // moves, from its first value and by its range, and last the mean of all.
-  std::vector<std::vector<Eigen::VectorXd>> loads_;
+  std::vector<std::vector<Eigen::VectorXd>> set_point_moves_;
   double output_range_ = 1.0;
   double total_samples_ = 1.0;
   std::size_t cache_size_ = 4;

@@ -6,6 +6,8 @@
 
 #include "Eigen/Core"
 #include "Eigen/QR"
+#include "mle/explain/explained_output.h"
+#include "mle/explain/instruments.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -20,23 +22,30 @@ constexpr int kInputLags = 6;
 constexpr int kResidualLags = 4;
 constexpr int kMostLags = std::max(kInputLags, kResidualLags);
 
-// Means over several rows that adjoin: e, then each input.
+// Means over several rows that adjoin: e, then each input, then each set point
+// that moves.
 struct Grid {
-  MatrixXd values;          // 1 + inputs × points
+  MatrixXd values;  // 1 + inputs + set points × points
+  Index inputs = 0;
   std::vector<int> before;  // points before each that adjoin it
 };
 
 Grid GridOf(const ExplainedOutput& output, const VectorXd& e) {
   const std::vector<ResidualRow>& rows = output.rows();
-  std::vector<VectorXd> inputs;
+  std::vector<VectorXd> signals;
   for (const int j : output.possible_inputs()) {
-    inputs.push_back(output.InputRows(j));
+    signals.push_back(output.InputRows(j));
+  }
+  const auto inputs = static_cast<Index>(signals.size());
+  for (const auto& moves : output.set_point_moves()) {
+    signals.push_back(output.RowMeans(moves));
   }
   const double row_time = output.sample_time() * output.samples_a_row();
   const auto every = static_cast<std::size_t>(std::max(
       1.0, std::floor(output.tau() / (kPointsPerTau * row_time) + 1e-9)));
   Grid grid;
-  grid.values.resize(static_cast<Index>(1 + inputs.size()),
+  grid.inputs = inputs;
+  grid.values.resize(static_cast<Index>(1 + signals.size()),
                      static_cast<Index>(rows.size()));
   Index points = 0;
   for (std::size_t i = 0; i + every <= rows.size();) {
@@ -53,8 +62,8 @@ Grid GridOf(const ExplainedOutput& output, const VectorXd& e) {
           .mean();
     };
     grid.values(0, points) = mean(e);
-    for (std::size_t j = 0; j < inputs.size(); ++j) {
-      grid.values(static_cast<Index>(1 + j), points) = mean(inputs[j]);
+    for (std::size_t j = 0; j < signals.size(); ++j) {
+      grid.values(static_cast<Index>(1 + j), points) = mean(signals[j]);
     }
     const bool adjoins = i > 0 && !grid.before.empty() &&
                          rows[i - 1].record == first.record &&
@@ -77,8 +86,10 @@ std::optional<double> FeedbackPValue(const ExplainedOutput& output,
     if (grid.before[k] >= kMostLags) points.push_back(static_cast<Index>(k));
   }
   const auto n = static_cast<Index>(points.size());
-  const Index inputs = grid.values.rows() - 1;
-  const Index known = kInputLags * inputs + 1;
+  const Index inputs = grid.inputs;
+  const Index set_points = grid.values.rows() - 1 - inputs;
+  const Index of_set_points = (kInputLags + 1) * set_points;
+  const Index known = kInputLags * inputs + of_set_points + 1;
   const Index left = n - known - kResidualLags;
   if (left < known) return std::nullopt;
   MatrixXd columns(n, known + kResidualLags);
@@ -86,7 +97,11 @@ std::optional<double> FeedbackPValue(const ExplainedOutput& output,
     const Index k = points[static_cast<std::size_t>(i)];
     for (int l = 1; l <= kInputLags; ++l) {
       columns.row(i).segment((l - 1) * inputs, inputs) =
-          grid.values.col(k - l).tail(inputs).transpose();
+          grid.values.col(k - l).segment(1, inputs).transpose();
+    }
+    for (int l = 0; l <= kInputLags; ++l) {
+      columns.row(i).segment(kInputLags * inputs + l * set_points, set_points) =
+          grid.values.col(k - l).tail(set_points).transpose();
     }
     columns(i, known - 1) = 1.0;
     for (int l = 1; l <= kResidualLags; ++l) {
@@ -107,7 +122,7 @@ std::optional<double> FeedbackPValue(const ExplainedOutput& output,
   MatrixXd targets(n, inputs);
   for (Index i = 0; i < n; ++i) {
     targets.row(i) = grid.values.col(points[static_cast<std::size_t>(i)])
-                         .tail(inputs)
+                         .segment(1, inputs)
                          .transpose();
   }
   for (Index j = 0; j < inputs; ++j) {
@@ -130,6 +145,18 @@ std::optional<double> FeedbackPValue(const ExplainedOutput& output,
   }
   if (tested == 0) return std::nullopt;
   return -std::expm1(tested * std::log1p(-least));
+}
+
+std::optional<double> FeedbackPValue(const ProcessModel& model,
+                                     const std::vector<Record>& records,
+                                     int i) {
+  const absl::StatusOr<ExplainedOutput> output =
+      ExplainedOutput::Create(model, records, i);
+  if (!output.ok()) return std::nullopt;
+  const absl::StatusOr<Instruments> instruments =
+      Instruments::Create(model, *output);
+  if (!instruments.ok()) return std::nullopt;
+  return FeedbackPValue(*output, instruments->Undriven(output->Residual({})));
 }
 
 }  // namespace mle

@@ -1,29 +1,41 @@
 // Whether outputs drive inputs: the test of Granger (Econometrica 37, 1969;
 // for control loops Caines and Chan, IEEE Trans. Automatic Control 20, 1975).
 //
-//   u_k = Σ_l A_l u_{k−l} + Σ_l b_l e_{k−l} + c + white,   b = 0?
+//   u_k = Σ_l A_l u_{k−l} + Σ_l b_l e_{k−l} + Σ_l C_l r_{k−l} + c + white,
 //
-// for each input in turn, e the residual of the model without what inputs drive
-// of it (instruments.h), in rows of a tenth of τ. What disturbs an output is in
-// e, so that a controller's answer to it is in b. The test does not depend on
-// the colour of disturbances: what is left of u is white.
-//
-// Internal to mle/explain.
+// b = 0? r are the set points that move, with l from 0, the others from 1 on;
+// it is asked for each input in turn. e is the residual of the model without
+// what instruments drive of it (instruments.h), in rows of a tenth of τ. What
+// disturbs an output is in e, so that a controller's answer to it is in b. The
+// test does not depend on the colour of disturbances: what is left of u is
+// white.
 
 #ifndef MLE_EXPLAIN_FEEDBACK_H_
 #define MLE_EXPLAIN_FEEDBACK_H_
 
 #include <optional>
+#include <vector>
 
-#include "mle/explain/explained_output.h"
+#include "Eigen/Core"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
 
 namespace mle {
+
+class ExplainedOutput;
+
+// Below it there is some.
+inline constexpr double kFeedback = 0.01;
 
 // The p-value of b = 0: the probability that e predicts some input of the
 // output this well by chance, were there no feedback. Nothing where there are
 // too few rows to test.
 std::optional<double> FeedbackPValue(const ExplainedOutput& output,
                                      const Eigen::VectorXd& e);
+// The same of output i of `model` in records that match it; nothing where no
+// input reaches the output, or none moves, either.
+std::optional<double> FeedbackPValue(const ProcessModel& model,
+                                     const std::vector<Record>& records, int i);
 
 }  // namespace mle
 
