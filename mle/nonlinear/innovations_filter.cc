@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "glog/logging.h"
 #include "mle/regression/kernels/kernels.h"
@@ -183,16 +182,7 @@ namespace {
 struct StateCovariance {
   double ww = 0.0, wa = 0.0, wb = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;
 
-  // Apart by rounding at most: where the covariance is stationary, its last
-  // bits may go round for ever.
-  bool IsNear(const StateCovariance& other) const {
-    const auto near = [](double x, double y) {
-      return std::abs(x - y) <=
-             4.0 * std::numeric_limits<double>::epsilon() * std::abs(x);
-    };
-    return near(ww, other.ww) && near(wa, other.wa) && near(wb, other.wb) &&
-           near(aa, other.aa) && near(ab, other.ab) && near(bb, other.bb);
-  }
+  bool operator==(const StateCovariance& other) const = default;
 };
 
 // P becomes T P Tᵀ + Q. Of (a, b) this is Π + F (P − Π) Fᵀ with the stationary
@@ -241,7 +231,7 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
       .aa = stationary.aa, .ab = stationary.ab, .bb = stationary.bb};
   LogProduct product;
   double total = 0.0;
-  bool steady = false;  // the step before changed nothing: nor will this
+  bool steady = false;  // the step before changed nothing: so will this
   for (std::size_t k = 0; k < n; ++k) {
     if (steady && k + 1 < n && times[k + 1] - times[k] == 1) {
       white_[k] = white_[k - 1];
@@ -284,7 +274,7 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
         .gain_a = power.own * gain_a + power.cross * gain_b,
         .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
     Predict<kOrder>(power, spread_, shape.ratio * steps, stationary, P);
-    steady = weights.size() == 0 && k > 0 && steps == 1 && P.IsNear(former);
+    steady = weights.size() == 0 && k > 0 && steps == 1 && P == former;
   }
   log_determinant_ = product.log();
 }
