@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -77,6 +78,15 @@ std::vector<std::string> Before(const Result& result, int output, int input) {
           : element.delay.initial);
   if (before.empty()) before.emplace_back("another response");
   return before;
+}
+
+// Of an output whose correction is the instruments' estimate.
+std::string WithoutScores(const Result& result) {
+  const std::vector<Acceptance>& accepted = result.accepted_outputs;
+  return std::find(accepted.begin(), accepted.end(), Acceptance::kExplained) ==
+                 accepted.end()
+             ? ""
+             : " (–: the reason for the correction has its errors)";
 }
 
 }  // namespace
@@ -176,7 +186,8 @@ Table ValidationTable(const Result& result) {
   Table table{.caption = absl::StrCat(
                   held_out ? "Fit on parts of windows held out"
                            : "Fit of the controller's model on all windows",
-                  ": 100 % is a perfect prediction, 0 % as good as the mean"),
+                  ": 100 % is a perfect prediction, 0 % as good as the mean",
+                  WithoutScores(result)),
               .columns = {{"output, model", Align::kLeft},
                           {"one step ahead"},
                           {Ahead(result)},
@@ -353,7 +364,7 @@ Table FitTable(const Result& result) {
       .caption = absl::StrCat(
           "How well each output is predicted, ", Ahead(result),
           validation.held_out ? ", in data held out" : ", in all windows",
-          " (100 %: perfectly, 0 %: as by the mean)"),
+          " (100 %: perfectly, 0 %: as by the mean)", WithoutScores(result)),
       .columns = {{"output", Align::kLeft}, {"controller's model"}}};
   if (validation.held_out) table.columns.push_back({"corrected model"});
   for (int i = 0; i < result.initial.num_outputs(); ++i) {

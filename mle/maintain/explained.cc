@@ -256,13 +256,21 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   bool correctable = true;
   bool any_other = false;
   // A sign is a mistake of configuration, not to be corrected by the others;
-  // and where a load comes with set points, these drive more than the plant.
+  // and where a load comes with set points, by this output or another, these
+  // drive more than the plant.
   bool misled = false;
   for (const TakenExplanation& one : output.taken) {
     const ExplanationKind kind = one.explanation.kind;
     misled = misled || kind == ExplanationKind::kReversed ||
              kind == ExplanationKind::kLoadWithSetPoints;
-    if (IsHeld(kind)) continue;
+    if (IsHeld(kind)) {
+      const std::optional<ShownOfInput> shown =
+          ContestedBy(*candidates.competition, i, one.explanation.index);
+      misled = misled ||
+               (shown.has_value() &&
+                shown->explanation.kind == ExplanationKind::kLoadWithSetPoints);
+      continue;
+    }
     if (!any_other) evidence.code = CodeOf(kind);
     any_other = true;
     correctable = correctable && IsClock(kind) && evidence.other.empty();
