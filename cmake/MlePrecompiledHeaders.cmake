@@ -5,7 +5,11 @@
 # Off where ccache stands before the compiler, which knows results better than
 # it knows precompiled headers, and as a subproject.
 
-option(MLE_PRECOMPILED_HEADERS "Compile common headers once" ${mle_builds_whole})
+set(mle_precompiles ${mle_builds_whole})
+if(CMAKE_CXX_COMPILER_LAUNCHER)
+  set(mle_precompiles OFF)
+endif()
+option(MLE_PRECOMPILED_HEADERS "Compile common headers once" ${mle_precompiles})
 
 # mle_use_precompiled_headers(CARRIER TARGET…): CARRIER is one of those below.
 function(mle_use_precompiled_headers carrier)

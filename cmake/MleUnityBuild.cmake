@@ -2,11 +2,11 @@
 # headers of Eigen and others, anew for every source. So a target's sources are
 # not to define the same name in their unnamed namespaces (scripts/lint looks).
 #
-# Off where ccache stands before the compiler: where builds are repeated, one
-# source that changed is to be compiled alone; and as a subproject.
+# Off as a subproject. To compile each source alone, as suits ccache where one
+# source changes at a time: -DMLE_UNITY_BUILD=OFF.
 
 set(mle_builds_whole OFF)
-if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+if(PROJECT_IS_TOP_LEVEL)
   set(mle_builds_whole ON)
 endif()
 option(MLE_UNITY_BUILD "Compile sources of a target together" ${mle_builds_whole})

@@ -72,8 +72,6 @@ def _build():
         ["cmake", "-S", ROOT, "-B", build, *generator]
         + ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_SHARED_LIBS=OFF"]
         + ["-DMLE_BUILD_PYTHON=ON", "-DMLE_BUILD_TESTS=OFF"]
-        # It is built once: sources are compiled together, which ccache would prevent.
-        + ["-DCMAKE_CXX_COMPILER_LAUNCHER="]
         + [f"-DPython_EXECUTABLE={sys.executable}", "-DMLE_PYTHON_INSTALL_DIR=."]
         + _pybind11_folder()
         + shlex.split(os.environ.get("CMAKE_ARGS", "")),
