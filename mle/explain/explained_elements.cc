@@ -114,7 +114,7 @@ bool ExplainedOutput::Applies(ExplanationKind kind, const Element& element,
       return element.in_model && one_lag && !has(Kind::kHigherOrder) &&
              !has(Kind::kLead);
     case Kind::kLoadWithSetPoints:
-      return element.in_model && !set_point_moves_.empty();
+      return element.in_model && !moving_set_points_.empty();
     default:
       return element.in_model;
   }

@@ -27,6 +27,11 @@ constexpr double kForgotten = 3.0;
 // Doubles that the responses of one element may take.
 constexpr double kCachedDoubles = 1 << 21;
 
+VectorXd FromFirst(const Eigen::RowVectorXd& signal) {
+  const VectorXd filled = Filled(signal.transpose());
+  return filled.array() - filled[0];
+}
+
 }  // namespace
 
 absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
@@ -61,7 +66,7 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   explained.longest_ = std::max(explained.longest_, explained.sample_time_);
   explained.AddNewPaths(model);
   explained.ChooseRows();
-  explained.FindSetPointMoves(model.num_outputs());
+  explained.FindMovingSetPoints(model.num_outputs());
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
   }
@@ -100,24 +105,15 @@ void ExplainedOutput::ChooseRows() {
     const double forgotten = kForgotten * longest_ / sample_time_;
     for (const Element& element : elements_) {
       const int j = element.input;
-      // Before its first value an input is taken to have stood at it.
-      double last = 0.0;
-      for (Index k = 0; k < filled.cols(); ++k) {
-        if (std::isfinite(filled(j, k))) {
-          last = filled(j, k);
-          break;
-        }
-      }
+      filled.row(j) = Filled(record.inputs.row(j).transpose()).transpose();
       double gap = 0.0;
       double uncertain = 0.0;
       for (Index k = 0; k < filled.cols(); ++k) {
-        if (std::isfinite(filled(j, k))) {
+        if (std::isfinite(record.inputs(j, k))) {
           if (gap > longest_gap) uncertain = forgotten;
           gap = 0.0;
-          last = filled(j, k);
         } else {
           gap += 1.0;
-          filled(j, k) = last;
         }
         if (element.in_model && (gap > longest_gap || uncertain > 0.0)) {
           counts[k] = false;
@@ -145,46 +141,47 @@ void ExplainedOutput::ChooseRows() {
   ranges_ = (high - low).cwiseMax(0.0);
 }
 
-void ExplainedOutput::FindSetPointMoves(int set_points) {
+void ExplainedOutput::FindMovingSetPoints(int set_points) {
   for (const Record& record : *records_) {
     if (record.set_points.rows() == 0) return;
   }
   for (int i = 0; i < set_points; ++i) {
-    std::vector<VectorXd> moves;  // from the first value
     double range = 0.0;
     for (const Record& record : *records_) {
-      const auto row = record.set_points.row(i);
-      VectorXd& moved = moves.emplace_back(VectorXd::Zero(row.size()));
-      double first = kNaN;
-      double last = 0.0;
-      for (Index k = 0; k < row.size(); ++k) {
-        if (std::isfinite(row[k])) {
-          if (std::isnan(first)) first = row[k];
-          last = row[k] - first;
-        }
-        moved[k] = last;
-      }
-      range = std::max(range, moved.maxCoeff() - moved.minCoeff());
+      const VectorXd moves = FromFirst(record.set_points.row(i));
+      range = std::max(range, moves.maxCoeff() - moves.minCoeff());
     }
-    if (!(range > 0.0)) continue;
-    for (VectorXd& moved : moves) moved /= range;
-    set_point_moves_.push_back(std::move(moves));
+    if (range > 0.0) moving_set_points_.push_back({i, range});
   }
-  if (set_point_moves_.size() < 2) return;
-  std::vector<VectorXd> all = set_point_moves_.front();
-  for (std::size_t i = 1; i < set_point_moves_.size(); ++i) {
-    for (std::size_t r = 0; r < all.size(); ++r)
-      all[r] += set_point_moves_[i][r];
-  }
-  for (VectorXd& of : all) of /= static_cast<double>(set_point_moves_.size());
-  set_point_moves_.push_back(std::move(all));
+}
+
+VectorXd ExplainedOutput::SetPointMoves(int which, int record) const {
+  const MovingSetPoint& set_point = moving_set_points_[which];
+  return FromFirst((*records_)[record].set_points.row(set_point.number)) /
+         set_point.range;
+}
+
+VectorXd ExplainedOutput::LoadOf(int part, int record) const {
+  const int moving = num_moving_set_points();
+  if (part < moving) return SetPointMoves(part, record);
+  VectorXd mean = SetPointMoves(0, record);
+  for (int i = 1; i < moving; ++i) mean += SetPointMoves(i, record);
+  return mean / static_cast<double>(moving);
 }
 
 int ExplainedOutput::PartsOf(ExplanationKind kind) const {
-  if (kind == Kind::kLoadWithSetPoints) {
-    return static_cast<int>(set_point_moves_.size());
+  switch (kind) {
+    case Kind::kChangeDuringRecord:
+      return kParts;
+    case Kind::kNewPath:
+      return kPathLags;
+    case Kind::kLoadWithSetPoints: {
+      const int moving = num_moving_set_points();
+      return moving < 2 ? moving : moving + 1;
+    }
+    default:
+      return 1;
   }
-  return mle::PartsOf(kind);
 }
 
 Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
@@ -226,8 +223,7 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
     v.array() += curve * v.array().square() / distance;
   }
   if (load != 0.0) {
-    v += load * range *
-         set_point_moves_[static_cast<std::size_t>(key[10])][record];
+    v += load * range * LoadOf(static_cast<int>(key[10]), record);
   }
   return v;
 }

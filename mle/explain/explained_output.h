@@ -59,8 +59,8 @@ class ExplainedOutput {
   bool has_lag(int input) const;
   // The time constants of the row.
   std::vector<double> time_constants() const;
-  // Parts of an explanation that are tried: a load follows one set point that
-  // moves, or all.
+  // The number of parts of an explanation that are tried (Explanation::part); 1
+  // of most. A load follows one of the set points that move, or their mean.
   int PartsOf(ExplanationKind kind) const;
 
   // The explanations that may be tried here beside those taken: a row of the
@@ -91,11 +91,14 @@ class ExplainedOutput {
       int input, const ElementValues& values,
       const std::vector<Explanation>& explanations) const;
 
-  // Of each set point that moves, from its first value and by its range, in
-  // each record; of several their mean, too, as the last.
-  const std::vector<std::vector<Eigen::VectorXd>>& set_point_moves() const {
-    return set_point_moves_;
+  // The set points that move, where every record has set points.
+  int num_moving_set_points() const {
+    return static_cast<int>(moving_set_points_.size());
   }
+  // One of them in a record, from its first value and by its range. Computed at
+  // each call: p set points kept by each of p outputs would be many times the
+  // records.
+  Eigen::VectorXd SetPointMoves(int which, int record) const;
   // An input as means of the rows.
   Eigen::VectorXd InputRows(int input) const;
   // A signal of all samples as means of the rows.
@@ -117,6 +120,10 @@ class ExplainedOutput {
   // ratio of the lag downwards, and the input's curve, rate, backlash, limit,
   // load with set points and its part.
   using Key = std::array<double, 11>;
+  struct MovingSetPoint {
+    int number = 0;      // its row in Record::set_points
+    double range = 0.0;  // the largest within a record
+  };
   struct Cached {
     Key key;
     std::vector<Eigen::VectorXd> response;  // of each record, for K = 1
@@ -132,7 +139,9 @@ class ExplainedOutput {
   static absl::StatusOr<TransferFunction> Shaped(const Element& element,
                                                  const Shape& shape);
   void ChooseRows();
-  void FindSetPointMoves(int set_points);
+  void FindMovingSetPoints(int set_points);
+  // The set point that a load of this part follows, or the mean of all.
+  Eigen::VectorXd LoadOf(int part, int record) const;
   std::vector<Eigen::VectorXd> Simulate(const Element& element,
                                         const Key& key) const;
   const std::vector<Eigen::VectorXd>& ResponseOf(int element,
@@ -157,7 +166,7 @@ class ExplainedOutput {
   std::vector<Eigen::MatrixXd> filled_;
   Eigen::VectorXd ranges_;
   Eigen::VectorXd distances_;
-  std::vector<std::vector<Eigen::VectorXd>> set_point_moves_;
+  std::vector<MovingSetPoint> moving_set_points_;
   double output_range_ = 1.0;
   double total_samples_ = 1.0;
   std::size_t cache_size_ = 4;

@@ -190,7 +190,7 @@ const std::vector<ExplanationType>& ExplanationTable() {
        "load_with_set_points",
        Place::kInput,
        kRarest,
-       {-1.0, -0.4, 0.4, 1.0},
+       {-1.0, 1.0},  // the response is linear in θ
        -3.0,
        3.0,
        "something that no record shows acts as %s does, whenever set points "
@@ -218,11 +218,6 @@ bool IsShape(ExplanationKind kind) {
 }
 
 bool IsHeld(ExplanationKind kind) { return IsAgeing(kind) || IsShape(kind); }
-
-int PartsOf(ExplanationKind kind) {
-  if (kind == Kind::kChangeDuringRecord) return kParts;
-  return kind == Kind::kNewPath ? kPathLags : 1;
-}
 
 double ShareOfChange(int part, double at) {
   if (part == 0) return at;

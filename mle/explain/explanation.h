@@ -78,9 +78,6 @@ bool IsHeld(ExplanationKind kind);
 inline constexpr int kParts = 8;
 // Time constants of a new path.
 inline constexpr int kPathLags = 3;
-// Parts that are tried of a kind; 1 of most. Of kLoadWithSetPoints it depends
-// on the records (explained_output.h).
-int PartsOf(ExplanationKind kind);
 
 // Of a change of this shape, what holds at a time (0: the first sample of the
 // records, 1: the last), from 0 to 1.

@@ -37,7 +37,11 @@ Grid GridOf(const ExplainedOutput& output, const VectorXd& e) {
     signals.push_back(output.InputRows(j));
   }
   const auto inputs = static_cast<Index>(signals.size());
-  for (const auto& moves : output.set_point_moves()) {
+  for (int i = 0; i < output.num_moving_set_points(); ++i) {
+    std::vector<VectorXd> moves;
+    for (int r = 0; r < static_cast<int>(output.records().size()); ++r) {
+      moves.push_back(output.SetPointMoves(i, r));
+    }
     signals.push_back(output.RowMeans(moves));
   }
   const double row_time = output.sample_time() * output.samples_a_row();

@@ -9,6 +9,7 @@
 #include "Eigen/Eigenvalues"
 #include "Eigen/SVD"
 #include "absl/status/status.h"
+#include "mle/explain/signal_effects.h"
 
 namespace mle {
 namespace {
@@ -42,25 +43,6 @@ constexpr double kSameLag = 1.3;
 
 // A signal of each record.
 using Signal = std::vector<VectorXd>;
-
-VectorXd Filled(const Eigen::Ref<const VectorXd>& values) {
-  VectorXd filled = values;
-  double last = 0.0;
-  for (const double value : values) {
-    if (std::isfinite(value)) {
-      last = value;
-      break;
-    }
-  }
-  for (double& value : filled) {
-    if (std::isfinite(value)) {
-      last = value;
-    } else {
-      value = last;
-    }
-  }
-  return filled;
-}
 
 double RangeOf(const Signal& signal) {
   double range = 0.0;

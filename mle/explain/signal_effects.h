@@ -9,6 +9,10 @@
 
 namespace mle {
 
+// A signal without gaps: a value that is not finite becomes the last finite one
+// before it, at the start the first one; all become 0 where none is finite.
+Eigen::VectorXd Filled(const Eigen::Ref<const Eigen::VectorXd>& values);
+
 // A dead time in whole samples and a rest.
 SampledDelay SampledDelayOf(double delay, double sample_time);
 

@@ -1,6 +1,7 @@
 #include "mle/explain/explained_output.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -107,6 +108,38 @@ TEST(ExplainedOutputTest, NothingHappensAtZero) {
              plain)
                 .norm(),
             1e-9 * plain.norm());
+}
+
+// A load follows one set point that moves, or their mean; gaps of a set point
+// are held.
+TEST(ExplainedOutputTest, LoadsFollowTheSetPointsThatMove) {
+  constexpr ExplanationKind kLoad = ExplanationKind::kLoadWithSetPoints;
+  std::vector<Record> records = InputsAlone();
+  records[0].set_points.row(0).array() += 5.0;
+  records[0].set_points(0, 1) = std::numeric_limits<double>::quiet_NaN();
+  const ExplainedOutput output = Make(records);
+  ASSERT_EQ(output.num_moving_set_points(), 2);
+  EXPECT_EQ(output.PartsOf(kLoad), 3);
+  const auto effect = [&output](int part) -> Eigen::VectorXd {
+    return output.Residual({{kLoad, 0, 0.4, part}}) - output.Residual({});
+  };
+  std::vector<Record> loaded = records;
+  const auto input = records[0].inputs.row(0);
+  loaded[0].inputs.row(0) += 0.4 * (input.maxCoeff() - input.minCoeff()) *
+                             output.SetPointMoves(0, 0).transpose();
+  const Eigen::VectorXd expected = Simulated(TwoLoops(), records, output) -
+                                   Simulated(TwoLoops(), loaded, output);
+  EXPECT_LT((effect(0) - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_LT((effect(2) - 0.5 * (effect(0) + effect(1))).norm(),
+            1e-9 * expected.norm());
+
+  records[0].set_points.row(0).setConstant(5.0);
+  const ExplainedOutput other = Make(records);
+  EXPECT_EQ(other.num_moving_set_points(), 1);
+  EXPECT_EQ(other.PartsOf(kLoad), 1);
+  const Eigen::VectorXd moves = other.SetPointMoves(0, 0);
+  EXPECT_EQ(moves[0], 0.0);
+  EXPECT_DOUBLE_EQ(moves.maxCoeff() - moves.minCoeff(), 1.0);
 }
 
 TEST(ExplainedOutputTest, EveryKindHasARowAndASentence) {
