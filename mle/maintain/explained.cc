@@ -144,6 +144,28 @@ std::string Contested(const ProcessModel& model, const Competition& competition,
   return text;
 }
 
+// Whether what won for output i misleads a correction of its other elements. A
+// reversed sign is a mistake of configuration, which no change of the others
+// makes up for. Where a load comes with set points, as this output or another
+// shows, set points drive more than the plant.
+bool Misleads(const Competition& competition, int i) {
+  for (const TakenExplanation& one : competition.outputs()[i].taken) {
+    const Explanation& taken = one.explanation;
+    if (taken.kind == ExplanationKind::kReversed ||
+        taken.kind == ExplanationKind::kLoadWithSetPoints) {
+      return true;
+    }
+    if (!IsHeld(taken.kind)) continue;
+    const std::optional<ShownOfInput> shown =
+        ContestedBy(competition, i, taken.index);
+    if (shown.has_value() &&
+        shown->explanation.kind == ExplanationKind::kLoadWithSetPoints) {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::string Ties(const ProcessModel& model, const OutputExplanation& output,
                  int i) {
   std::string text;
@@ -255,22 +277,9 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   // Whether all that won can be held by a corrected model.
   bool correctable = true;
   bool any_other = false;
-  // A sign is a mistake of configuration, not to be corrected by the others;
-  // and where a load comes with set points, by this output or another, these
-  // drive more than the plant.
-  bool misled = false;
   for (const TakenExplanation& one : output.taken) {
     const ExplanationKind kind = one.explanation.kind;
-    misled = misled || kind == ExplanationKind::kReversed ||
-             kind == ExplanationKind::kLoadWithSetPoints;
-    if (IsHeld(kind)) {
-      const std::optional<ShownOfInput> shown =
-          ContestedBy(*candidates.competition, i, one.explanation.index);
-      misled = misled ||
-               (shown.has_value() &&
-                shown->explanation.kind == ExplanationKind::kLoadWithSetPoints);
-      continue;
-    }
+    if (IsHeld(kind)) continue;
     if (!any_other) evidence.code = CodeOf(kind);
     any_other = true;
     correctable = correctable && IsClock(kind) && evidence.other.empty();
@@ -282,6 +291,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     absl::StrAppend(&evidence.other, evidence.other.empty() ? "" : " ",
                     contested);
   }
+  const bool misled = Misleads(*candidates.competition, i);
   evidence.ageing = evidence.ageing && !misled;
   evidence.tie = Ties(candidates.initial, output, i);
   evidence.left = output.left();
