@@ -9,8 +9,10 @@
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "apps/correct/report.h"
 #include "apps/report/text.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/data/stretches.h"
@@ -87,20 +89,6 @@ std::string PercentOf(double share) {
                               : "–";
 }
 
-const char* InWords(PairState state) {
-  switch (state) {
-    case PairState::kAbsent:
-      return "not in the model";
-    case PairState::kNotInformed:
-      return "not informed";
-    case PairState::kWeak:
-      return "weak";
-    case PairState::kInformed:
-      return "informed";
-  }
-  return "";
-}
-
 std::string DescribeFeedback(const Prospects& prospects,
                              const ProcessModel& model) {
   std::vector<std::string> outputs;
@@ -135,8 +123,12 @@ absl::StatusOr<Prospects> FindProspects(const RecordData& data,
       AssessInformation(model, windows,
                         NoiseOfPredictions(quiet, predictor, ratios),
                         {.output_error = {.threads = threads}}));
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    const std::optional<double> p_value = FeedbackPValue(model, windows, i);
+  std::vector<std::optional<double>> p_values(
+      static_cast<std::size_t>(model.num_outputs()));
+  ParallelFor(model.num_outputs(), threads, [&](int i) {
+    p_values[static_cast<std::size_t>(i)] = FeedbackPValue(model, windows, i);
+  });
+  for (const std::optional<double>& p_value : p_values) {
     prospects.feedback.push_back(p_value.has_value() && *p_value < kFeedback);
   }
   return prospects;
@@ -154,12 +146,12 @@ report::Table ProspectTable(const Prospects& prospects,
   for (const auto& [i, j] : Pairs(model)) {
     const PairErrors& pair = prospects.information.pair(i, j);
     if (pair.state == PairState::kAbsent) continue;
-    table.AddRow({PairName(model, i, j), PercentOf(pair.gain),
-                  PercentOf(pair.time_scale),
-                  std::isfinite(pair.delay)
-                      ? report::FormatSignificant(pair.delay, 2)
-                      : "–",
-                  InWords(pair.state)});
+    table.AddRow(
+        {PairName(model, i, j), PercentOf(pair.gain),
+         PercentOf(pair.time_scale),
+         std::isfinite(pair.delay) ? report::FormatSignificant(pair.delay, 2)
+                                   : "–",
+         absl::StrReplaceAll(std::string(NameOf(pair.state)), {{"_", " "}})});
   }
   return table;
 }

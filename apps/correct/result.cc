@@ -1,7 +1,7 @@
 #include "apps/correct/result.h"
 
-#include <algorithm>
-#include <iterator>
+#include <map>
+#include <set>
 #include <string_view>
 
 #include "absl/strings/ascii.h"
@@ -97,8 +97,7 @@ const char* OfSeveral(MessageCode code) {
   switch (code) {
     case MessageCode::kWindowNotAtRest:
       return "windows are not at rest where they should be; unmeasured "
-             "disturbances "
-             "widen the intervals.";
+             "disturbances widen the intervals.";
     case MessageCode::kWindowCut:
       return "windows are cut to their longest parts without missing inputs.";
     case MessageCode::kWindowDropped:
@@ -197,23 +196,24 @@ std::string Shown(const Message& message) {
 }
 
 std::vector<std::string> ShownTogether(const std::vector<Message>& messages) {
-  std::vector<std::string> texts;
-  std::vector<MessageCode> told;
+  std::map<MessageCode, std::vector<std::string>> places_of;
   for (const Message& message : messages) {
-    std::vector<Message> alike;
-    std::copy_if(messages.begin(), messages.end(), std::back_inserter(alike),
-                 [&](const Message& other) {
-                   return other.code == message.code && !other.place.empty();
-                 });
+    if (!message.place.empty()) {
+      places_of[message.code].push_back(message.place);
+    }
+  }
+  std::vector<std::string> texts;
+  std::set<MessageCode> told;
+  for (const Message& message : messages) {
+    const std::vector<std::string>& places = places_of[message.code];
     const char* const words = OfSeveral(message.code);
-    if (words == nullptr || message.place.empty() || alike.size() < kTogether) {
+    if (words == nullptr || message.place.empty() ||
+        places.size() < kTogether) {
       texts.push_back(Shown(message));
-    } else if (std::count(told.begin(), told.end(), message.code) == 0) {
-      told.push_back(message.code);
+    } else if (told.insert(message.code).second) {
       Message all = message;
-      all.text = absl::StrCat(alike.size(), " ", words,
-                              " Among them: ", alike[0].place, ", ",
-                              alike[1].place, ".");
+      all.text = absl::StrCat(places.size(), " ", words,
+                              " Among them: ", places[0], ", ", places[1], ".");
       texts.push_back(Shown(all));
     }
   }

@@ -123,6 +123,10 @@ std::string WhatToDo(const Result& result) {
   return "";
 }
 
+bool HasScores(const OutputScores& output) {
+  return !std::isnan(output.several_steps.corrected);
+}
+
 // "11 to 84 %", of what `fit_of` gives for each output.
 template <typename Function>
 std::string RangeOfFits(const std::vector<OutputScores>& outputs,
@@ -130,7 +134,7 @@ std::string RangeOfFits(const std::vector<OutputScores>& outputs,
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (const OutputScores& output : outputs) {
-    if (std::isnan(output.several_steps.corrected)) continue;
+    if (!HasScores(output)) continue;
     low = std::min(low, fit_of(output.several_steps));
     high = std::max(high, fit_of(output.several_steps));
   }
@@ -243,7 +247,7 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
   std::vector<std::string> parts;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const OutputScores& output = validation.outputs[i];
-    if (std::isnan(output.several_steps.corrected)) continue;
+    if (!HasScores(output)) continue;
     const std::string& name = result.initial.outputs()[i].name;
     parts.push_back(absl::StrCat(
         name, " ", PercentInWords(output.several_steps.corrected), " (",
@@ -291,9 +295,7 @@ std::string WhatItIsWorth(const Result& result) {
   if (!result.validation.held_out) return "";
   const std::vector<OutputScores>& outputs = result.validation.outputs;
   std::vector<std::string> sentences;
-  if (std::any_of(outputs.begin(), outputs.end(), [](const auto& output) {
-        return !std::isnan(output.several_steps.corrected);
-      })) {
+  if (std::any_of(outputs.begin(), outputs.end(), HasScores)) {
     sentences.push_back(absl::StrCat(
         "On held-out data the correction has a fit of ",
         RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
