@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -238,14 +239,12 @@ void AddAlarmRows(const Report& report, bool can_acknowledge,
   page.AddParagraph("Each says what was known on its day.");
   Table last = AlarmTable("The last alarm of each output");
   Table before = AlarmTable("Alarms before these");
+  std::map<int, const Alarm*> last_of_output;
+  for (const Alarm& alarm : report.watch->alarms) {  // in order of time
+    last_of_output[alarm.output] = &alarm;
+  }
   for (const Alarm& alarm : report.watch->alarms) {
-    // They stand in order of time.
-    const bool is_last =
-        std::none_of(report.watch->alarms.begin(), report.watch->alarms.end(),
-                     [&](const Alarm& other) {
-                       return other.output == alarm.output && &other > &alarm;
-                     });
-    (is_last ? last : before)
+    (last_of_output[alarm.output] == &alarm ? last : before)
         .AddRow({NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm),
                  DeliveryText(alarm), ShortId(alarm)});
   }
@@ -308,7 +307,8 @@ void AddCost(const Report& report, report::HtmlPage& page) {
   // Of a model that has aged this has been said (AddKnownNow).
   if (report.status != Status::kAged && !text.empty()) {
     page.AddHeading("Costs of ageing");
-    page.AddParagraph(absl::StrCat(text, " ", UpdateText(cost)));
+    page.AddParagraph(text);
+    page.AddParagraph(UpdateText(cost));
   }
   if (cost.state != AgeingCost::State::kTold ||
       cost.points.front().cost.mean == cost.points.back().cost.mean) {
