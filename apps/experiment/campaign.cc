@@ -179,10 +179,14 @@ constexpr std::string_view kCeres = "ceres";
 
 }  // namespace
 
-std::string Method::name() const {
+std::string Method::estimator_name() const {
   if (!estimator.has_value()) return std::string(kNone);
-  std::string name(solve_by_ceres ? kCeres : NameOf(*estimator));
-  if (change_test != Method().change_test) {
+  return std::string(solve_by_ceres ? kCeres : NameOf(*estimator));
+}
+
+std::string Method::name() const {
+  std::string name = estimator_name();
+  if (estimator.has_value() && change_test != Method().change_test) {
     absl::StrAppend(&name, ":", std::string(NameOf(change_test)));
   }
   return name;
@@ -266,14 +270,14 @@ void HalveWindows(ExperimentOptions& options) {
 
 constexpr Ablation kAblations[] = {
     {"noise_free_conversion", "initial model converted without noise",
-     ConvertWithoutNoise},
-    {"raw_scaling", "regressors not scaled", LeaveUnscaled},
+     ConvertWithoutNoise, true},
+    {"raw_scaling", "regressors not scaled", LeaveUnscaled, true},
     {"matlab_stop", "coordinate descent, stopped as MATLAB's lasso",
-     StopAsMatlab},
-    {"lambda_per_output", "a λ for each output", ChoosePerOutput},
+     StopAsMatlab, true},
+    {"lambda_per_output", "a λ for each output", ChoosePerOutput, false},
     {"one_standard_error", "largest λ within a standard error",
-     TakeOneStandardError},
-    {"half_windows", "windows half as long", HalveWindows},
+     TakeOneStandardError, false},
+    {"half_windows", "windows half as long", HalveWindows, false},
 };
 
 }  // namespace

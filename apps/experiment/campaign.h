@@ -42,6 +42,7 @@ struct Ablation {
   const char* name;
   const char* what;  // in a few words
   void (*apply)(ExperimentOptions& options);
+  bool left_open;  // the paper does not say how it was decided
 };
 
 absl::Span<const Ablation> Ablations();
@@ -74,6 +75,7 @@ struct Method {
   bool UsesLambda() const {
     return estimator.has_value() && *estimator != Estimator::kOutputError;
   }
+  std::string estimator_name() const;  // without the test
   std::string name() const;
 };
 

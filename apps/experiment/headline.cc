@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
 #include "apps/experiment/report.h"
 #include "apps/report/text.h"
 
@@ -272,9 +271,14 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
 }
 
 std::string MethodLabel(const Campaign& campaign, const Method& method) {
-  std::vector<std::string> parts = {absl::StrReplaceAll(
-      method.name(),
-      {{":none", ", no test"}, {":adequacy", ", test of adequacy"}})};
+  std::vector<std::string> parts = {method.estimator_name()};
+  if (method.estimator.has_value() &&
+      method.change_test != Method().change_test) {
+    parts.push_back(
+        method.change_test == ChangeTest::kNone
+            ? "no test"
+            : absl::StrCat(std::string(NameOf(method.change_test)), " test"));
+  }
   if (method.selection >= 0 && campaign.selections.size() > 1) {
     parts.push_back(campaign.selections[method.selection].name);
   }

@@ -25,7 +25,7 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario);
 enum class Axis { kNone, kNoise, kDrift, kSize };
 std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
                           Axis without);
-// "arx, paper".
+// "arx, no test, paper".
 std::string MethodLabel(const Campaign& campaign, const Method& method);
 
 // The verdict on a campaign's corrections, in a line and in counts.
