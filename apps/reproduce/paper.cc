@@ -1,6 +1,5 @@
 // What the paper reports beside what the runs give.
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -14,6 +13,8 @@
 namespace mle::reproduce {
 namespace {
 
+using experiment::Describe;
+using experiment::Distribution;
 using report::FormatScientific;
 using report::FormatSignificant;
 
@@ -26,46 +27,17 @@ constexpr std::array<PaperFigure, 4> kPaperFigures = {{
     {"delay", 1, 1, 0.0, 7.6},
 }};
 
-// "0.012 … 0.19", or one number.
-std::string RangeOver(const std::vector<double>& values, int digits) {
-  const auto [least, largest] =
-      std::minmax_element(values.begin(), values.end());
-  const std::string from = FormatSignificant(*least, digits);
-  const std::string to = FormatSignificant(*largest, digits);
-  return from == to ? from : absl::StrCat(from, " … ", to);
-}
-
-std::vector<double> LambdasOf(const std::vector<MethodRun>& runs) {
-  std::vector<double> lambdas;
-  for (const MethodRun& run : runs) {
-    if (run.status.ok()) lambdas.push_back(run.lambda);
-  }
-  return lambdas;
-}
-
-double MeanDistance(const std::vector<MethodRun>& runs) {
-  double sum = 0.0;
-  int count = 0;
-  for (const MethodRun& run : runs) {
-    if (!run.status.ok()) continue;
-    sum += run.E;
-    ++count;
-  }
-  return sum / std::max(count, 1);
-}
+bool IsOfGain(const PaperFigure& figure) { return figure.gain_error > 0.0; }
 
 // What λ* is where one decision that the paper leaves open is taken otherwise.
 std::string WhyOtherLambda(const CaseResult& result) {
   std::vector<std::string> tried;
   for (const AblationResult& ablation : result.ablations) {
-    const std::vector<double> lambdas = LambdasOf(ablation.runs);
-    const std::string_view name = ablation.ablation->name;
-    const bool is_open = name == "noise_free_conversion" ||
-                         name == "raw_scaling" || name == "matlab_stop";
-    if (!is_open || lambdas.empty()) continue;
-    tried.push_back(absl::StrCat(
-        ablation.ablation->what, ": ", RangeOver(lambdas, 2), " (E ",
-        FormatSignificant(MeanDistance(ablation.runs)), ")"));
+    const MethodSummary runs = SummariseRuns(ablation.runs);
+    if (!ablation.ablation->left_open || runs.E.count == 0) continue;
+    tried.push_back(absl::StrCat(ablation.ablation->what, ": ",
+                                 Extremes(runs.lambda, FormatSignificant),
+                                 " (E ", FormatSignificant(runs.E.mean), ")"));
   }
   if (tried.empty()) {
     return "The paper leaves scaling, stop of the solver and noise in the "
@@ -75,21 +47,25 @@ std::string WhyOtherLambda(const CaseResult& result) {
                       ".");
 }
 
-// Magnitudes over the runs.
-template <typename Value>
-std::vector<double> OverRuns(const CaseResult& result, const Value& value) {
+// What the paper reports of an element, over the runs.
+Distribution ValuesOf(const CaseResult& result, const PaperFigure& figure) {
   std::vector<double> values;
-  for (const RunResult& run : result.runs) values.push_back(value(run));
-  return values;
+  for (const RunResult& run : result.runs) {
+    const Judgement& judgement = run.judgement;
+    values.push_back(
+        IsOfGain(figure)
+            ? std::abs(judgement.static_gain_error(figure.output, figure.input))
+            : judgement.delay_impulse_peak(figure.output, figure.input));
+  }
+  return Describe(std::move(values), 0);
 }
 
-std::string WhyGain(const std::vector<double>& errors, double paper,
+std::string WhyGain(const Distribution& errors, double paper,
                     const ElementErrors& element) {
-  const double largest = *std::max_element(errors.begin(), errors.end());
   return absl::StrCat(
       "Error of the step response after 100 min; the paper's is one run",
-      paper <= largest ? ", and lies among these"
-                       : ", with a larger λ, which shrinks the correction",
+      paper <= errors.max ? ", and lies among these"
+                          : ", with a larger λ, which shrinks the correction",
       ". A first-order fit is off by ",
       FormatSignificant(element.fopdt_gain_error_rms, 2), ".");
 }
@@ -99,8 +75,7 @@ std::string WhyDelay(const CaseResult& result, const PaperFigure& figure,
   const TransferFunction& plant =
       result.plant.element(figure.output, figure.input);
   const double time_constant =
-      plant.IsFirstOrder() ? plant.denominator()[0] / plant.denominator()[1]
-                           : 0.0;
+      plant.IsFirstOrder() ? plant.TimeConstant() : 0.0;
   return absl::StrCat(
       "Read at the peak of the impulse response, truly ",
       FormatSignificant(element.true_delay), " ", result.plant.time_unit(),
@@ -137,29 +112,22 @@ report::Table PaperTable(const std::vector<CaseResult>& cases) {
   for (const CaseResult& result : cases) {
     if (!result.from_paper) continue;
     const std::string name = absl::StrCat("Case ", result.name, ": ");
-    table.AddRow(
-        {absl::StrCat(name, "λ*"),
-         absl::StrCat("about ", FormatScientific(kPaperLambda, 1)),
-         RangeOver(
-             OverRuns(result, [](const RunResult& r) { return r.lambda_star; }),
-             2),
-         WhyOtherLambda(result)});
+    table.AddRow({absl::StrCat(name, "λ*"),
+                  absl::StrCat("about ", FormatScientific(kPaperLambda, 1)),
+                  Extremes(result.lambda_star, FormatSignificant),
+                  WhyOtherLambda(result)});
     for (const auto& [i, j] : Pairs(result.plant)) {
       const PaperFigure* const figure = FindPaperFigure(result, i, j);
       if (figure == nullptr) continue;
       const ElementErrors& element =
           result.elements[i * result.plant.num_inputs() + j];
-      const bool is_gain = figure->gain_error > 0.0;
-      const std::vector<double> values =
-          OverRuns(result, [&, i = i, j = j](const RunResult& run) {
-            return is_gain ? std::abs(run.judgement.static_gain_error(i, j))
-                           : run.judgement.delay_impulse_peak(i, j);
-          });
+      const bool is_gain = IsOfGain(*figure);
+      const Distribution values = ValuesOf(result, *figure);
       table.AddRow(
           {absl::StrCat(name, is_gain ? "error of the gain (" : "dead time (",
                         i + 1, ",", j + 1, ")"),
            FormatSignificant(is_gain ? figure->gain_error : figure->delay),
-           RangeOver(values, 2),
+           Extremes(values, FormatSignificant),
            is_gain ? WhyGain(values, figure->gain_error, element)
                    : WhyDelay(result, *figure, element)});
     }

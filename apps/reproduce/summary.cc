@@ -82,6 +82,34 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
   return absl::OkStatus();
 }
 
+MethodSummary SummariseRuns(const std::vector<MethodRun>& runs) {
+  MethodSummary summary;
+  std::vector<double> E;
+  std::vector<double> lambda;
+  for (const MethodRun& run : runs) {
+    if (!run.status.ok()) {
+      summary.failure = std::string(run.status.message());
+      continue;
+    }
+    E.push_back(run.E);
+    lambda.push_back(run.lambda);
+    summary.max_relative_gap =
+        std::max(summary.max_relative_gap, run.max_relative_gap);
+    summary.proposed += run.change_proposed ? 1 : 0;
+    summary.seconds += run.seconds;
+  }
+  summary.E = experiment::Describe(std::move(E), 0);
+  summary.lambda = experiment::Describe(std::move(lambda), 0);
+  return summary;
+}
+
+std::string Extremes(const experiment::Distribution& values,
+                     std::string (*format)(double value, int digits)) {
+  const std::string from = format(values.min, 2);
+  const std::string to = format(values.max, 2);
+  return from == to ? from : absl::StrCat(from, " … ", to);
+}
+
 report::Table DistanceTable(const CaseResult& result) {
   report::Table table{
       .caption = absl::StrCat(
@@ -109,10 +137,7 @@ report::Table DistanceTable(const CaseResult& result) {
   const RunResult& first = result.runs.front();
   table.AddRow(
       {"before: initial model", "", FormatSignificant(result.E_initial, 5)});
-  add("corrected, λ* from the records",
-      several ? absl::StrCat(FormatScientific(result.lambda_star.min, 2), " … ",
-                             FormatScientific(result.lambda_star.max, 2))
-              : FormatScientific(first.lambda_star, 2),
+  add("corrected, λ* from the records", Extremes(result.lambda_star),
       result.E_star);
   add("corrected, best λ in hindsight",
       several ? "" : FormatScientific(first.lambda_oracle, 2), result.E_oracle);
@@ -214,37 +239,6 @@ namespace {
 using experiment::Describe;
 using experiment::Distribution;
 
-// What the runs of a method that did not fail have in common.
-struct MethodSummary {
-  Distribution E;
-  Distribution lambda;
-  double max_relative_gap = 0.0;
-  int proposed = 0;
-  double seconds = 0.0;
-  std::string failure;  // why the last one failed
-};
-
-MethodSummary SummariseRuns(const std::vector<MethodRun>& runs) {
-  MethodSummary summary;
-  std::vector<double> E;
-  std::vector<double> lambda;
-  for (const MethodRun& run : runs) {
-    if (!run.status.ok()) {
-      summary.failure = std::string(run.status.message());
-      continue;
-    }
-    E.push_back(run.E);
-    lambda.push_back(run.lambda);
-    summary.max_relative_gap =
-        std::max(summary.max_relative_gap, run.max_relative_gap);
-    summary.proposed += run.change_proposed ? 1 : 0;
-    summary.seconds += run.seconds;
-  }
-  summary.E = Describe(std::move(E), 0);
-  summary.lambda = Describe(std::move(lambda), 0);
-  return summary;
-}
-
 // The runs of an estimator, of all seeds.
 std::vector<MethodRun> RunsOf(const CaseResult& result,
                               const std::string& name) {
@@ -257,21 +251,12 @@ std::vector<MethodRun> RunsOf(const CaseResult& result,
   return runs;
 }
 
-// "5.8×10⁻⁵ … 9.4×10⁻⁵".
-std::string Extremes(const Distribution& values) {
-  return absl::StrCat(FormatScientific(values.min, 2), " … ",
-                      FormatScientific(values.max, 2));
-}
-
 std::vector<std::string> AblationRow(const AblationResult& result) {
   const MethodSummary runs = SummariseRuns(result.runs);
   const char* const what = result.ablation->what;
   if (runs.E.count == 0) return {what, absl::StrCat("failed: ", runs.failure)};
   return {what, FormatSignificant(runs.E.mean), FormatSignificant(runs.E.max),
-          runs.lambda.min == runs.lambda.max
-              ? FormatScientific(runs.lambda.min, 2)
-              : Extremes(runs.lambda),
-          FormatScientific(runs.max_relative_gap, 1)};
+          Extremes(runs.lambda), FormatScientific(runs.max_relative_gap, 1)};
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "apps/experiment/experiment.h"
 #include "apps/experiment/options.h"
 #include "apps/report/table.h"
+#include "apps/report/text.h"
 #include "mle/correction/judgement.h"
 #include "mle/correction/selection.h"
 #include "mle/data/record.h"
@@ -172,6 +173,24 @@ struct CaseResult {
 
 absl::Status SummariseCase(const ProcessModel& initial_model,
                            CaseResult& result);
+
+// What the runs of a method that did not fail have in common.
+struct MethodSummary {
+  experiment::Distribution E;
+  experiment::Distribution lambda;
+  double max_relative_gap = 0.0;
+  int proposed = 0;  // runs that proved a change
+  double seconds = 0.0;
+  std::string failure;  // why the last one failed
+};
+
+MethodSummary SummariseRuns(const std::vector<MethodRun>& runs);
+
+// "5.8×10⁻⁵ … 9.4×10⁻⁵" from the smallest to the largest, or one number where
+// these are alike.
+std::string Extremes(
+    const experiment::Distribution& values,
+    std::string (*format)(double value, int digits) = report::FormatScientific);
 
 // A number that the paper reports on one of its two cases, from one run each.
 // Output and input count from 0.

@@ -113,6 +113,9 @@ TEST(Tables, OfOneRunShowItsValues) {
   EXPECT_EQ(table.columns.size(), 3u);
   EXPECT_EQ(table.rows[0].back(), "100.00");
   EXPECT_EQ(table.rows[1].back(), "3.00");
+  // One value is not a range.
+  EXPECT_EQ(table.rows[1][1], Extremes(result.lambda_star));
+  EXPECT_THAT(table.rows[1][1], Not(HasSubstr("…")));
 }
 
 }  // namespace
