@@ -137,8 +137,8 @@ double TotalError(const std::vector<LoopPerformance>& changes) {
   return total;
 }
 
-// The measures of all changes as JSON; null where there are none, and in place
-// of what is not finite.
+// The measures of all changes as JSON. It is null where there are no changes; a
+// number that is not finite is null.
 Json ChangesToJson(const std::vector<LoopPerformance>& changes, bool noisy) {
   Json json;
   for (const LoopMeasure& measure : kLoopMeasures) {

@@ -63,8 +63,9 @@ absl::Status CheckRecords(const std::vector<Record>& records,
   return absl::OkStatus();
 }
 
-// Parts that outlast what the model remembers; where there are none, the
-// longest of each record.
+// The places of the parts with all inputs known that have `samples` or more, so
+// that they outlast what the model remembers. Where there are none, the
+// function returns the longest part of each record.
 std::vector<KnownPart> PlacesIn(const std::vector<Record>& records,
                                 int samples) {
   std::vector<KnownPart> places;
