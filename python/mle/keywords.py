@@ -5,12 +5,26 @@ from typing import Any, Literal, Sequence, TypedDict, Union
 Numbers = Union[float, Sequence[float]]
 
 
-class CorrectOptions(TypedDict, total=False):
-    """Of :func:`correct`."""
+class MpcOptions(TypedDict, total=False):
+    """Of :func:`Mpc`."""
 
-    outputs: Any
-    previous: Any
-    threads: Numbers
+    control_period: Numbers
+    prediction_horizon: Numbers
+    control_horizon: Numbers
+    output_weight: Numbers
+    move_weight: Numbers
+    disturbance_variance_ratio: Numbers
+    min_input: Any
+    max_input: Any
+    max_move: Any
+    min_output: Any
+    max_output: Any
+    output_limit_cost: Numbers
+
+
+class ReadOptions(TypedDict, total=False):
+    """Of :func:`read_records`."""
+
     time_column: Any
     time_format: Any
     number_unit: Any
@@ -42,6 +56,14 @@ class CorrectOptions(TypedDict, total=False):
     query: Any
     table: Any
     columns: Any
+
+
+class CorrectOptions(ReadOptions, total=False):
+    """Of :func:`correct`."""
+
+    outputs: Any
+    previous: Any
+    threads: Numbers
     mark_outliers: bool
     mark_frozen: bool
     window_before: Numbers
@@ -81,43 +103,7 @@ class CorrectOptions(TypedDict, total=False):
     disturbance_variance_ratio: Numbers
 
 
-class ReadOptions(TypedDict, total=False):
-    """Of :func:`read_records`."""
-
-    time_column: Any
-    time_format: Any
-    number_unit: Any
-    time_zone: Any
-    begin: Any
-    end: Any
-    separate_files: bool
-    separator: Literal['recognise', 'comma', 'semicolon', 'tab']
-    decimal: Literal['recognise', 'point', 'comma']
-    lines_above_header: Numbers
-    rows_below_header: Numbers
-    header: Any
-    tag_column: Any
-    value_column: Any
-    quality_column: Any
-    empty_fields: Literal['recognise', 'bad', 'unchanged']
-    tags: Any
-    tag_file: Any
-    ignore_other_columns: bool
-    quality_suffixes: Any
-    good_qualities: Any
-    bad_values: Any
-    any_word_is_bad: bool
-    skip_repeated_times: bool
-    spread_repeated_times: bool
-    skip_backward_times: bool
-    sample_time: Numbers
-    max_gap: Numbers
-    query: Any
-    table: Any
-    columns: Any
-
-
-class SimulateOptions(TypedDict, total=False):
+class SimulateOptions(MpcOptions, total=False):
     """Of :func:`simulate`."""
 
     operating_inputs: Any
@@ -129,20 +115,8 @@ class SimulateOptions(TypedDict, total=False):
     noise_variance: Numbers
     seed: Numbers
     effects: Any
-    control_period: Numbers
-    prediction_horizon: Numbers
-    control_horizon: Numbers
-    output_weight: Numbers
-    move_weight: Numbers
-    disturbance_variance_ratio: Numbers
     feed_forward: bool
     preview: bool
-    min_input: Any
-    max_input: Any
-    max_move: Any
-    min_output: Any
-    max_output: Any
-    output_limit_cost: Numbers
     coloured_variance: Numbers
     coloured_time_constant: Numbers
     drift_variance: Numbers
@@ -220,20 +194,3 @@ class LifecycleOptions(TypedDict, total=False):
     hours_per_update: Numbers
     hours_per_test: Numbers
     currency: Any
-
-
-class MpcOptions(TypedDict, total=False):
-    """Of :func:`Mpc`."""
-
-    control_period: Numbers
-    prediction_horizon: Numbers
-    control_horizon: Numbers
-    output_weight: Numbers
-    move_weight: Numbers
-    disturbance_variance_ratio: Numbers
-    min_input: Any
-    max_input: Any
-    max_move: Any
-    min_output: Any
-    max_output: Any
-    output_limit_cost: Numbers
