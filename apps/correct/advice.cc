@@ -52,8 +52,7 @@ StepResponse SettledResponse(const Result& result) {
 
 absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
   const control::RetuningOptions options = RetuningOptionsOf(result);
-  MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
-                       TuningInUse(result));
+  const control::MpcOptions& old_tuning = result.request.controller;
   const double settled =
       std::max(SettlingTime(result.initial), SettlingTime(result.model));
   if (!(settled <= control::kMostAnalysedPeriods * old_tuning.control_period)) {
@@ -192,21 +191,6 @@ std::string ModelCorrectedText(const Result& result) {
 
 }  // namespace
 
-absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result) {
-  const control::MpcOptions& told = result.request.controller;
-  if (result.request.controller_known()) return told;
-  control::MpcOptions tuning;
-  tuning.output_weight = told.output_weight;
-  tuning.move_weight = told.move_weight;
-  tuning.disturbance_variance_ratio = told.disturbance_variance_ratio;
-  MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
-                       control::DescribeAsFirstOrder(result.initial_response));
-  std::vector<std::string> unused;
-  return control::TuneByRules(elements, InputRoles(result.initial),
-                              result.data.sample_time(), tuning,
-                              RetuningOptionsOf(result), unused);
-}
-
 std::string_view NameOf(PairState state) {
   switch (state) {
     case PairState::kAbsent:
@@ -223,7 +207,7 @@ std::string_view NameOf(PairState state) {
 
 Tuning AdviseTuning(const Result& result) {
   Tuning tuning;
-  if (!result.accepted()) return tuning;
+  if (!result.accepted() || !result.request.controller_known()) return tuning;
   const absl::StatusOr<std::vector<std::string>> reasons = Retune(result);
   if (!reasons.ok()) {
     tuning.heading = absl::StrCat("No advice on the controller's tuning: ",
@@ -231,12 +215,8 @@ Tuning AdviseTuning(const Result& result) {
     return tuning;
   }
   tuning.heading =
-      result.request.controller_known()
-          ? "Controller tuning, from the tuning given by the flags to the "
-            "tuning for the corrected model:"
-          : "Controller tuning by published rules, from the controller's model "
-            "to the corrected model. The controller's own tuning was not given "
-            "(--control_period and others).";
+      "Controller tuning, from the tuning given by the flags to the tuning for "
+      "the corrected model:";
   tuning.reasons = *reasons;
   return tuning;
 }
@@ -270,6 +250,9 @@ std::vector<std::string> Advise(const Result& result) {
   }
   AddMissingInformation(result, advice);
   AddWhatTheModelLacks(result, advice);
+  if (std::string filter = FilterAdvice(result); !filter.empty()) {
+    advice.push_back(std::move(filter));
+  }
   return advice;
 }
 

@@ -7,6 +7,7 @@
 #include "control/mpc.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/maintain/prediction.h"
 #include "mle/model/process_model.h"
 #include "sim/closed_loop.h"
 
@@ -19,7 +20,8 @@ constexpr double kBefore = 0.1;
 // Most control periods after a step; each of them costs as many operations as
 // there are periods.
 constexpr double kMostPeriods = 10'000;
-constexpr double kMostSamples = 1e6;  // of the record
+constexpr double kMostSamples = 1e6;    // of the record
+constexpr Eigen::Index kHorizons = 30;  // of predictions that are compared
 
 // The largest step of the output's set point in the records; 1 where there is
 // none.
@@ -57,9 +59,11 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
   if (!result.accepted()) {
     return absl::FailedPreconditionError("nothing was corrected");
   }
-  MLE_ASSIGN_OR_RETURN(const control::MpcOptions tuning, TuningInUse(result));
+  if (!result.request.controller_known()) {
+    return absl::FailedPreconditionError("the controller's tuning is not told");
+  }
+  const control::MpcOptions& tuning = result.request.controller;
   LoopComparison comparison;
-  comparison.told = result.request.controller_known();
   const double settled =
       kLoopSettlingTimes *
       std::max(SettlingTime(result.model), SettlingTime(result.initial));
@@ -103,6 +107,34 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
   });
   for (const absl::Status& of_output : status) MLE_RETURN_IF_ERROR(of_output);
   return comparison;
+}
+
+absl::StatusOr<Eigen::VectorXd> PredictionShifts(const Result& result) {
+  const double sample_time = result.data.sample_time();
+  MLE_ASSIGN_OR_RETURN(const InputResponse before,
+                       ResponseOf(result.initial, sample_time));
+  MLE_ASSIGN_OR_RETURN(const InputResponse after,
+                       ResponseOf(result.model, sample_time));
+  const auto horizon = static_cast<Eigen::Index>(
+      std::clamp(std::round(SettlingTime(result.initial) / sample_time), 1.0,
+                 kMostPeriods));
+  const Eigen::Index step = std::max<Eigen::Index>(horizon / kHorizons, 1);
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(result.initial.num_outputs());
+  double count = 0.0;
+  for (const Record& window : result.data.Records()) {
+    MLE_ASSIGN_OR_RETURN(Eigen::MatrixXd shift, after.response(window));
+    MLE_ASSIGN_OR_RETURN(const Eigen::MatrixXd old, before.response(window));
+    shift -= old;
+    for (Eigen::Index h = step; h <= horizon && h < shift.cols(); h += step) {
+      const Eigen::Index starts = shift.cols() - h;
+      squares += (shift.rightCols(starts) - shift.leftCols(starts))
+                     .rowwise()
+                     .squaredNorm()
+                     .array();
+      count += static_cast<double>(starts);
+    }
+  }
+  return Eigen::VectorXd((squares / std::max(count, 1.0)).sqrt());
 }
 
 }  // namespace mle::correct

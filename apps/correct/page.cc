@@ -220,8 +220,43 @@ std::string ErrorChange(double percent) {
                       report::FormatSignificant(std::abs(percent), 2), " %");
 }
 
+// How predictions move with the correction, and how to tell the tuning.
+void AddPredictions(const Result& result, HtmlPage& page) {
+  page.AddHeading("What it means for predictions");
+  const absl::StatusOr<Eigen::VectorXd> shifts = PredictionShifts(result);
+  if (shifts.ok()) {
+    std::vector<std::string> moved;
+    for (int i = 0; i < result.initial.num_outputs(); ++i) {
+      const OutputChannel& output = result.initial.outputs()[i];
+      const double shift = (*shifts)(i);
+      moved.push_back(shift > 0.0
+                          ? absl::StrCat(output.name, " by ",
+                                         report::FormatSignificant(shift, 2),
+                                         output.unit.empty() ? "" : " ",
+                                         output.unit)
+                          : absl::StrCat(output.name, " unchanged"));
+    }
+    page.AddParagraph(absl::StrCat(
+        "With the inputs of these records the correction moves predictions up "
+        "to ",
+        report::FormatSignificant(SettlingTime(result.initial), 3), " ",
+        result.initial.time_unit(),
+        " ahead (root mean square): ", absl::StrJoin(moved, ", "), "."));
+  }
+  page.AddParagraph(
+      "What it means for control depends on the controller's tuning: with "
+      "--control_period, --prediction_horizon, --control_horizon, "
+      "--output_weight and --move_weight as they are in the controller, set "
+      "points are followed with both models, and a tuning for the corrected "
+      "model is advised.");
+}
+
 void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
   if (!result.accepted()) return;
+  if (!result.request.controller_known()) {
+    AddPredictions(result, page);
+    return;
+  }
   page.AddHeading("What it means for control");
   if (result.loops.ok()) {
     std::vector<std::string> changes;
@@ -262,6 +297,20 @@ std::string HowToLeaveOut(const Result& result) {
       report::QuoteCommandLine({absl::StrCat(
           "--leave_out=", result.data.Times(result.initial).Short(time))}),
       " leaves out window 1.");
+}
+
+void AddFilter(const Result& result, HtmlPage& page) {
+  if (result.filters.empty()) return;
+  const std::string advice = FilterAdvice(result);
+  if (advice.empty()) {
+    page.OpenFold("The filter of disturbances: keep the one in use");
+  } else {
+    page.AddHeading("The filter of disturbances");
+    page.AddParagraph(advice);
+  }
+  page.AddTable(FilterTable(result));
+  page.AddParagraph(FilterNote(result));
+  if (advice.empty()) page.CloseFold();
 }
 
 void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
@@ -348,6 +397,7 @@ void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   std::vector<std::string> advice = result.advice;
   if (!advice.empty()) advice.erase(advice.begin());
   std::erase(advice, MainReason(result));
+  std::erase(advice, FilterAdvice(result));
   if (!advice.empty()) page.AddList(advice);
   page.OpenFold("What the verdict rests on");
   page.AddList(result.verdict);
@@ -373,6 +423,7 @@ std::string FormatPage(const Result& result, const Figures& figures,
   AddChanges(result, figures, page);
   if (result.accepted()) AddForTheController(result, page);
   AddControl(result, figures, page);
+  AddFilter(result, page);
   AddRecords(result, figures, page);
   AddTrust(result, figures, page);
   if (!result.accepted()) AddForTheController(result, page);

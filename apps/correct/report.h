@@ -16,7 +16,6 @@
 #include "apps/report/drawing.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
-#include "control/mpc_options.h"
 #include "mle/model/process_model.h"
 
 namespace mle::correct {
@@ -26,12 +25,8 @@ namespace mle::correct {
 
 std::string_view NameOf(PairState state);
 
-// The tuning that is running or, where it was not told, what published rules
-// give for the initial model.
-absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result);
-
 // The controller's horizons, weights and stability; empty where nothing was
-// corrected.
+// corrected or its tuning was not told.
 Tuning AdviseTuning(const Result& result);
 
 // Items, most urgent first. `result` is complete but for advice.
@@ -171,6 +166,18 @@ report::Table FitTable(const Result& result);
 
 // The meaning of ± in all tables and sentences.
 std::string IntervalNote(const Result& result);
+
+// The filters of disturbances (mle/filter/output_filter.h).
+
+// Those of the request, with the controller's period, horizon and gains where
+// it is told.
+FilterOptions FilterOptionsOf(const Request& request);
+// What to give the controller; empty where no filter is better than the one in
+// use.
+std::string FilterAdvice(const Result& result);
+// A row for each output, and how to read it; result.filters is not empty.
+report::Table FilterTable(const Result& result);
+std::string FilterNote(const Result& result);
 
 // The figures of the page, each also a file of its own.
 

@@ -101,17 +101,19 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Estimation", OptionsOf(options.estimation));
   table.Add("Hold-out validation", OptionsOf(options.hold_out));
   table.Add("Decision", OptionsOf(options.decision));
-  table.Add("Results",
-            {{"response_horizon", &options.response_horizon,
-              "Length NΔt of the step responses; 0: the model's settling time.",
-              "min", kNotNegative}});
+  table.Add(
+      "Results",
+      {{"response_horizon", &options.response_horizon,
+        "Length NΔt of the step responses; 0: the model's settling time.",
+        "min", kNotNegative},
+       {"filter", &options.filter.estimate,
+        "Whether the filter of the outputs' disturbances is estimated."}});
   request.controller.control_period = 0.0;
   std::vector<Option> controller = mle::OptionsOf(request.controller);
   Option& period = Find(controller, "control_period");
   period.help =
       "Control period of the controller, a multiple of the sample time; 0: "
-      "unknown, the advice then compares the tuning by published rules for the "
-      "two models.";
+      "unknown, nothing is then said about loops and tuning.";
   period.range = kNotNegative;
   table.Add("The controller as it is tuned, for the advice",
             std::move(controller));

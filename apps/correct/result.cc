@@ -139,9 +139,11 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.request = request;
   result.files = std::move(files);
   NameFlags(data);
+  CorrectOptions options = request.options;
+  options.filter = FilterOptionsOf(request);
   MLE_ASSIGN_OR_RETURN(
       static_cast<CorrectionResult&>(result),
-      CorrectFromData(request.model, std::move(data), request.options));
+      CorrectFromData(request.model, std::move(data), options));
   MLE_RETURN_IF_ERROR(WarnOfDifferences(result));
   for (Message& warning : DescriptionWarnings(request.model_file)) {
     result.warnings.push_back(std::move(warning));

@@ -34,7 +34,6 @@ struct LoopStep {
 };
 
 struct LoopComparison {
-  bool told = false;  // the tuning was given, and is not that of rules
   std::vector<LoopStep> steps;  // of each output
 };
 
@@ -76,8 +75,13 @@ struct Result : CorrectionResult {
   int exit_code() const;
 };
 
-// FailedPrecondition where nothing was corrected, or a loop is not stable.
+// FailedPrecondition where nothing was corrected, the tuning was not told, or a
+// loop is not stable.
 absl::StatusOr<LoopComparison> CompareLoops(const Result& result);
+// p: by how much the correction moves predictions up to the model's settling
+// time ahead, root mean square over the windows, with the inputs recorded and
+// the measured output as the bias at the begin of each prediction.
+absl::StatusOr<Eigen::VectorXd> PredictionShifts(const Result& result);
 
 // Names and SHA-256 of the files, for the page.
 std::vector<std::pair<std::string, std::string>> Checksums(

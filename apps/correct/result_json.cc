@@ -324,6 +324,7 @@ void AddFindings(const Result& result, Json& json) {
     noise.push_back(NoiseJson(result, i));
   }
   json["noise"] = std::move(noise);
+  if (!result.filters.empty()) json["filter"] = FilterJson(result);
   const EstimateFit& fit = result.estimate.fit;
   if (fit.arx.has_value()) {
     json["lambda_star"] = fit.arx->selection().lambda_star(0);

@@ -19,6 +19,9 @@ nlohmann::ordered_json ElementJson(const Result& result, int i, int j);
 nlohmann::ordered_json WindowsJson(const Result& result);
 nlohmann::ordered_json ChannelsJson(const Result& result);
 
+// The filter of each output (disturbance_filter.cc).
+nlohmann::ordered_json FilterJson(const Result& result);
+
 // Decision, test, elements, distances, noise.
 void AddFindings(const Result& result, nlohmann::ordered_json& json);
 // Windows, validation, residuals, certificate, advice, warnings.

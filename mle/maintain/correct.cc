@@ -14,6 +14,7 @@
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/explained.h"
+#include "mle/maintain/usual_residuals.h"
 
 namespace mle {
 namespace {
@@ -118,6 +119,27 @@ absl::Status ExamineWindows(const std::vector<Record>& windows, int order,
   return absl::OkStatus();
 }
 
+// What the model for use leaves of all usual operation, and its filters.
+absl::Status EstimateFilters(CorrectionResult& result) {
+  const CorrectOptions& options = result.options;
+  const auto& rest = options.estimation.output_error.at_rest;
+  if (!options.examine || !options.filter.estimate || rest == nullptr) {
+    return absl::OkStatus();
+  }
+  const Stage stage(options.progress, "estimating the filter");
+  MLE_RETURN_IF_ERROR(stage.status());
+  MLE_ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> residuals,
+                       UsualResiduals(result.model, result.data, *rest));
+  result.filters = FindFilters(
+      residuals, result.data.sample_time(), IntegratingOutputs(result.model),
+      SettlingTime(result.model), options.filter, options.threads);
+  DisturbanceForm form = CombineFilters(result.filters);
+  if (result.state_space.model.has_value() && form.A.size() > 0) {
+    result.state_space.model->disturbance_model = std::move(form);
+  }
+  return absl::OkStatus();
+}
+
 // What a user has to know of the length of the step responses.
 void NoteHorizon(CorrectionResult& result) {
   const ProcessModel& model = result.initial;
@@ -189,6 +211,7 @@ absl::StatusOr<CorrectionResult> Build(Candidates candidates,
   MLE_RETURN_IF_ERROR(MakeModels(result));
   CheckCertificates(result);
   MLE_RETURN_IF_ERROR(ExamineWindows(candidates.windows, order, result));
+  MLE_RETURN_IF_ERROR(EstimateFilters(result));
   return result;
 }
 
@@ -217,6 +240,7 @@ absl::Status CorrectOptions::Validate() const {
   MLE_RETURN_IF_ERROR(hold_out.Validate());
   MLE_RETURN_IF_ERROR(explain.Validate());
   MLE_RETURN_IF_ERROR(decision.Validate());
+  MLE_RETURN_IF_ERROR(filter.Validate());
   if (!(response_horizon >= 0.0) || !std::isfinite(response_horizon)) {
     return OptionError(
         "response_horizon",

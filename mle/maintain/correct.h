@@ -28,6 +28,7 @@
 #include "mle/correction/pair_information.h"
 #include "mle/data/record.h"
 #include "mle/explain/competition.h"
+#include "mle/filter/output_filter.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/decision.h"
 #include "mle/maintain/estimation.h"
@@ -50,6 +51,7 @@ struct CorrectOptions {
   HoldOutOptions hold_out;
   ExplainOptions explain;
   DecisionOptions decision;
+  FilterOptions filter;
   // NΔt of the step responses, ≥ 0 in the model's time unit; 0: the model's
   // settling time, or twice the records. From 5 to 1,000,000 samples.
   double response_horizon = 0.0;
@@ -123,7 +125,13 @@ struct CorrectionResult {
   // The corrected model by transfer functions: `corrected.process`, or elements
   // of low order nearest to an ARX model.
   ProcessModel model;
-  StateSpaceForm state_space;  // of `corrected`; CorrectOptions::make_arx
+  // Of `corrected`, with the disturbances of the outputs whose filter is better
+  // than the one in use; CorrectOptions::make_arx.
+  StateSpaceForm state_space;
+  // p: the disturbance of each output beside `model`, and its filter. Empty
+  // without CorrectOptions::examine and filter.estimate, and where the data
+  // forbid a correction.
+  std::vector<OutputFilter> filters;
   StepResponse initial_response;
   ResponseDistance change;  // from the initial to the corrected response
 

@@ -30,6 +30,24 @@ namespace mle {
 // Samples; what is longer is a mistake.
 inline constexpr int kMaxStateSpaceDelay = 10'000'000;
 
+// What disturbs the outputs beside the inputs, and the filter that follows it:
+//
+//   d_{k+1} = A d_k + ω_k,   y_k = (the model's output) + C d_k + v_k,
+//   d̂_{k+1} = A d̂_k + K (y_k − (the model's output) − C d̂_k),
+//
+// Var ω = Q, Var v = diag(R). A may have eigenvalues 1: disturbances that stay.
+struct DisturbanceForm {
+  Eigen::MatrixXd A;  // n × n
+  Eigen::MatrixXd C;  // p × n
+  Eigen::MatrixXd K;  // n × p, the stationary Kalman gain
+  Eigen::MatrixXd Q;  // n × n
+  Eigen::VectorXd R;  // p; 0 where an output has none
+
+  // Shapes agree, n ≥ 1, entries are finite, R is not negative, and no error of
+  // the filter grows: the eigenvalues of A − K C lie inside the unit circle.
+  absl::Status Validate(int num_outputs) const;
+};
+
 struct DiscreteStateSpace {
   double sample_time = 0.0;        // Δt, in the process model's unit of time
   Eigen::MatrixXd A;               // n × n

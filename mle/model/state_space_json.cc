@@ -88,6 +88,30 @@ absl::Status CheckUnits(const char* key, const std::vector<std::string>& units,
                          channels);
 }
 
+absl::StatusOr<DisturbanceForm> ReadDisturbanceModel(const JsonNode& node,
+                                                     int p) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"A", "C", "K", "Q", "R"}, {}));
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> rows,
+                       node.At("A").Elements());
+  if (rows.size() > kMaxStates) {
+    return node.At("A").Fault("has ", rows.size(), " rows, at most ",
+                              kMaxStates, " are supported");
+  }
+  const auto n = static_cast<int>(rows.size());
+  const std::string states = "one for each state";
+  const std::string outputs = "one for each output";
+  DisturbanceForm form;
+  MLE_ASSIGN_OR_RETURN(form.A, ReadMatrix(node.At("A"), n, n, states, states));
+  MLE_ASSIGN_OR_RETURN(form.C, ReadMatrix(node.At("C"), p, n, outputs, states));
+  MLE_ASSIGN_OR_RETURN(form.K, ReadMatrix(node.At("K"), n, p, states, outputs));
+  MLE_ASSIGN_OR_RETURN(form.Q, ReadMatrix(node.At("Q"), n, n, states, states));
+  MLE_ASSIGN_OR_RETURN(const std::vector<double> variances,
+                       node.At("R").Numbers());
+  form.R = Eigen::Map<const Eigen::VectorXd>(
+      variances.data(), static_cast<Eigen::Index>(variances.size()));
+  return form;
+}
+
 // States that the file counts, or that A has rows.
 absl::StatusOr<std::int64_t> ReadOrder(const JsonNode& top) {
   if (top.Has("order")) return top.At("order").Integer(1, kMaxStates);
@@ -116,7 +140,8 @@ absl::StatusOr<NamedStateSpace> ParseNamedStateSpace(const JsonNode& top) {
   MLE_RETURN_IF_ERROR(top.CheckKeys(
       {"name", "time_unit", "sample_time", "outputs", "inputs", "A", "B", "C"},
       {"version", "program_version", "order", "accuracy", "output_units",
-       "input_units", "disturbances", "input_delays", "output_delays", "D"}));
+       "input_units", "disturbances", "disturbance_model", "input_delays",
+       "output_delays", "D"}));
   if (top.Has("version")) {
     MLE_RETURN_IF_ERROR(
         top.At("version")
@@ -144,6 +169,10 @@ absl::StatusOr<NamedStateSpace> ParseNamedStateSpace(const JsonNode& top) {
   if (top.Has("accuracy")) {
     MLE_ASSIGN_OR_RETURN(named.accuracy, ReadAccuracy(top.At("accuracy")));
   }
+  if (top.Has("disturbance_model")) {
+    MLE_ASSIGN_OR_RETURN(named.disturbance_model,
+                         ReadDisturbanceModel(top.At("disturbance_model"), p));
+  }
   const absl::Status status = named.Validate();
   if (status.ok()) return named;
   // The fault may lie in states that no input reaches.
@@ -167,6 +196,9 @@ absl::Status NamedStateSpace::Validate() const {
     return InvalidArgument("disturbances: ", QuotedJson(input),
                            " is not an input; the inputs are ",
                            absl::StrJoin(inputs, ", "));
+  }
+  if (disturbance_model.has_value()) {
+    MLE_RETURN_IF_ERROR(disturbance_model->Validate(system.num_outputs()));
   }
   if (!accuracy.has_value()) return absl::OkStatus();
   MLE_RETURN_IF_ERROR(CheckErrors("error_bounds", accuracy->error_bounds,
@@ -244,6 +276,15 @@ std::string FormatStateSpace(const NamedStateSpace& named) {
   json["B"] = MatrixJson(system.B);
   json["C"] = MatrixJson(system.C);
   json["D"] = MatrixJson(system.D);
+  if (named.disturbance_model.has_value()) {
+    const DisturbanceForm& form = *named.disturbance_model;
+    json["disturbance_model"] = {
+        {"A", MatrixJson(form.A)},
+        {"C", MatrixJson(form.C)},
+        {"K", MatrixJson(form.K)},
+        {"Q", MatrixJson(form.Q)},
+        {"R", std::vector<double>(form.R.begin(), form.R.end())}};
+  }
   return FormatJson(json);
 }
 

@@ -39,6 +39,7 @@ struct NamedStateSpace {
   std::vector<std::string> output_units;  // p, or empty: not known
   std::vector<std::string> input_units;   // m, or empty
   std::vector<std::string> disturbances;  // names of inputs that are such
+  std::optional<DisturbanceForm> disturbance_model;  // of the outputs
 
   // That were left out when the model was read, as no input reaches them and
   // they are unstable or integrate twice (a disturbance model).
@@ -46,7 +47,8 @@ struct NamedStateSpace {
 
   // A valid model with a name for each channel; names are not empty and
   // distinct over inputs and outputs; an accuracy has p values of each kind,
-  // units are one for each channel, disturbances are names of inputs.
+  // units are one for each channel, disturbances are names of inputs; a
+  // disturbance model is valid for p outputs.
   absl::Status Validate() const;
 
   // The channels as those of a process model, all elements zero.

@@ -1,0 +1,98 @@
+#include "mle/filter/disturbance_system.h"
+
+#include "Eigen/LU"
+#include "glog/logging.h"
+#include "mle/nonlinear/colour.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Each squares what is left: 2^60 samples.
+constexpr int kMostDoublings = 60;
+constexpr double kSmallStep = 1e-15;
+
+DisturbanceSystem EverySample(const NoiseEstimate& noise) {
+  const bool coloured = noise.colour_ratio > 0.0;
+  const Colour colour(coloured ? noise.colour_pole : 0.0,
+                      coloured ? noise.colour_damping : 0.0);
+  const Eigen::Index n = coloured ? 1 + colour.order() : 1;
+  DisturbanceSystem system{.A = MatrixXd::Zero(n, n),
+                           .C = Eigen::RowVectorXd::Zero(n),
+                           .Q = MatrixXd::Zero(n, n),
+                           .noise_variance = noise.variance};
+  system.A(0, 0) = 1.0;
+  system.C(0) = 1.0;
+  system.Q(0, 0) = noise.increment_variance();
+  if (!coloured) return system;
+  const Colour::Power step = colour.After(1);
+  system.A(1, 1) = step.own;
+  system.C(1) = 1.0;
+  if (n == 3) {
+    system.A(1, 2) = step.cross;
+    system.A(2, 1) = colour.spread() * step.cross;
+    system.A(2, 2) = step.own;
+  }
+  system.Q(n - 1, n - 1) = noise.colour_ratio * noise.variance;
+  return system;
+}
+
+}  // namespace
+
+DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples) {
+  CHECK_GE(samples, 1);
+  const DisturbanceSystem one = EverySample(noise);
+  DisturbanceSystem system = one;
+  for (int i = 1; i < samples; ++i) {
+    system.Q = (one.A * system.Q * one.A.transpose() + one.Q).eval();
+    system.A = (one.A * system.A).eval();
+  }
+  return system;
+}
+
+MatrixXd StationaryCovariance(const MatrixXd& A, const MatrixXd& Q) {
+  MatrixXd sum = Q;
+  MatrixXd power = A;
+  for (int i = 0; i < kMostDoublings; ++i) {
+    const MatrixXd more = power * sum * power.transpose();
+    sum += more;
+    if (more.norm() <= kSmallStep * sum.norm()) break;
+    power = (power * power).eval();
+  }
+  return sum;
+}
+
+StationaryFilter SolveStationaryFilter(const DisturbanceSystem& system) {
+  CHECK_GT(system.noise_variance, 0.0);
+  CHECK_GT(system.Q(0, 0), 0.0);
+  const Eigen::Index n = system.order();
+  // In units of r.
+  const double r = system.noise_variance;
+  MatrixXd A = system.A.transpose();
+  MatrixXd G = system.C.transpose() * system.C;
+  MatrixXd P = system.Q / r;
+  for (int i = 0; i < kMostDoublings; ++i) {
+    const Eigen::PartialPivLU<MatrixXd> W(MatrixXd::Identity(n, n) + G * P);
+    const MatrixXd WA = W.solve(A);
+    const MatrixXd step = A.transpose() * P * WA;
+    G += (A * W.solve(G) * A.transpose()).eval();
+    A = (A * WA).eval();
+    P += 0.5 * (step + step.transpose());
+    if (step.norm() <= kSmallStep * P.norm()) break;
+  }
+  StationaryFilter filter;
+  const VectorXd PC = P * system.C.transpose();
+  const double F = system.C.dot(PC) + 1.0;
+  filter.gain = system.A * PC / F;
+  const MatrixXd left = system.A * P * system.A.transpose() -
+                        filter.gain * filter.gain.transpose() * F +
+                        system.Q / r - P;
+  filter.residual = left.cwiseAbs().maxCoeff() / P.cwiseAbs().maxCoeff();
+  filter.covariance = r * P;
+  filter.innovation_variance = r * F;
+  return filter;
+}
+
+}  // namespace mle

@@ -1,0 +1,61 @@
+// The disturbance of one output as a linear system, and its stationary Kalman
+// filter.
+//
+// What a model leaves of an output, measured less simulated, is a random walk
+// w, a coloured component a of first or second order and white measurement
+// noise v (NoiseEstimate):
+//
+//   d_{k+1} = A d_k + ω_k,   z_k = C d_k + v_k,   Var ω = Q,  Var v = r,
+//
+// d = (w), (w, a) or (w, a, b). Every `samples`-th sample of it is a system of
+// the same form, A^s and Σ_{i<s} A^i Q (A^i)ᵀ. Its best linear predictor is
+//
+//   d̂_{k+1} = A d̂_k + K (z_k − C d̂_k),   K = A P Cᵀ / F,   F = C P Cᵀ + r,
+//   P = A P Aᵀ − A P Cᵀ C P Aᵀ / F + Q.
+//
+// P is found by doubling (Chu, Fan, Lin, Wang, International Journal of Control
+// 77, 2004, 767–788), which squares the remaining error in each step.
+//
+//   const DisturbanceSystem system = SystemOf(noise, 1);
+//   const StationaryFilter filter = SolveStationaryFilter(system);
+
+#ifndef MLE_FILTER_DISTURBANCE_SYSTEM_H_
+#define MLE_FILTER_DISTURBANCE_SYSTEM_H_
+
+#include "Eigen/Core"
+#include "mle/nonlinear/output_error_correction.h"
+
+namespace mle {
+
+struct DisturbanceSystem {
+  Eigen::MatrixXd A;            // n × n, n from 1 to 3
+  Eigen::RowVectorXd C;         // n
+  Eigen::MatrixXd Q;            // n × n
+  double noise_variance = 0.0;  // r
+
+  Eigen::Index order() const { return A.rows(); }
+};
+
+// Every `samples`-th sample, ≥ 1. Sinusoids and steps of the estimate are left
+// out.
+DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples);
+
+// Σ = A Σ Aᵀ + Q of a component that decays.
+Eigen::MatrixXd StationaryCovariance(const Eigen::MatrixXd& A,
+                                     const Eigen::MatrixXd& Q);
+
+struct StationaryFilter {
+  Eigen::VectorXd gain;              // K, n
+  Eigen::MatrixXd covariance;        // P, n × n, of d̂ before its sample
+  double innovation_variance = 0.0;  // F
+  // The certificate: what the equation of P leaves, relative to the largest
+  // entry of P.
+  double residual = 0.0;
+};
+
+// r > 0, and the random walk's variance > 0.
+StationaryFilter SolveStationaryFilter(const DisturbanceSystem& system);
+
+}  // namespace mle
+
+#endif  // MLE_FILTER_DISTURBANCE_SYSTEM_H_

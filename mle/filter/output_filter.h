@@ -1,0 +1,97 @@
+// The filter of an output's disturbance, from routine records: what a
+// controller that has the model adds to its predictions.
+//
+// The noise of what the model leaves (measured less simulated outputs) is
+// estimated by maximum likelihood, as in the correction itself
+// (EstimateNoise()). From it follow, in the forms that controllers have,
+//
+// - the stationary Kalman gain K with the covariances Q and r
+//   (disturbance_system.h), for a controller with a state-space model;
+// - the gain g and time constant of a bias filter,
+//
+//     ŵ_l = ŵ_{l−1} + g (z_l − ŵ_{l−1}) at the control instants,
+//
+//   with the least mean squared error over the prediction horizon, for a
+//   controller with step responses.
+//
+// Each is compared with the bias filter in use by the errors of its predictions
+// over the horizon on the half of the records that it was not estimated from,
+// and is better only where both halves gain.
+//
+// Sources: Odelson, Rajamani and Rawlings, Automatica 42 (2006) 303–308, for
+// the problem; Anderson and Moore, Optimal Filtering, 1979, ch. 4.
+//
+//   const std::vector<OutputFilter> filters =
+//       FindFilters(residuals, sample_time, integrating, options);
+
+#ifndef MLE_FILTER_OUTPUT_FILTER_H_
+#define MLE_FILTER_OUTPUT_FILTER_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "mle/filter/disturbance_system.h"
+#include "mle/model/state_space.h"
+#include "mle/nonlinear/output_error_correction.h"
+
+namespace mle {
+
+struct FilterOptions {
+  bool estimate = true;
+  // Δt_c ≥ 0, in the model's time unit, taken as the nearest whole multiple of
+  // the sample time; 0: the sample time.
+  double control_period = 0.0;
+  // Over which predictions are judged, ≥ 0 in the model's time unit, at most
+  // 1000 control periods; 0: until the model has settled.
+  double horizon = 0.0;
+  // g of the bias filters in use (p), 0 < g ≤ 1, at the control period; empty:
+  // 1, the plain bias update.
+  Eigen::VectorXd gains_in_use;
+
+  absl::Status Validate() const;
+};
+
+// A form of the filter, and the root mean squared errors of its predictions on
+// the halves held out.
+struct FilterForm {
+  bool better = false;  // than the filter in use, on both halves
+  double error = 0.0;
+};
+
+struct OutputFilter {
+  // Why there is no estimate; empty: there is one.
+  std::string reason;
+  NoiseEstimate noise;  // a sample; its random walk at least one of 1/N²
+  DisturbanceSystem system;
+  StationaryFilter stationary;
+  double bias_gain = 0.0;           // g, at the control period
+  double bias_time_constant = 0.0;  // −Δt_c / ln(1 − g); 0 of g = 1
+  FilterForm kalman;
+  FilterForm bias;
+  double gain_in_use = 1.0;
+  double error_in_use = 0.0;
+  // The period and the horizon in use, in samples and control periods.
+  int samples_of_period = 1;
+  int horizon = 1;
+
+  bool estimated() const { return reason.empty(); }
+};
+
+// `residuals`: p × N of each record, NaN where nothing is measured or the model
+// still depends on what was before the record. `integrating` (p): outputs that
+// integrate, which have no filter. `settling_time`: of the model.
+std::vector<OutputFilter> FindFilters(
+    const std::vector<Eigen::MatrixXd>& residuals, double sample_time,
+    const std::vector<bool>& integrating, double settling_time,
+    const FilterOptions& options, int threads);
+
+// Of all outputs that have a better Kalman filter; rows of C and columns of K
+// of the others are zero, as are their entries of R. Empty matrices where none
+// is better.
+DisturbanceForm CombineFilters(const std::vector<OutputFilter>& filters);
+
+}  // namespace mle
+
+#endif  // MLE_FILTER_OUTPUT_FILTER_H_
