@@ -17,7 +17,8 @@ BEGIN {
   exchange = nonlinear " mle/exchange"
   correction = exchange " mle/correction"
   explain = nonlinear " mle/explain"
-  all_of_mle = correction " mle/database mle/explain mle/maintain"
+  filter = nonlinear " mle/filter"
+  all_of_mle = correction " mle/database mle/explain mle/filter mle/maintain"
 
   allowed["mle/base"] = base
   allowed["mle/model"] = model
@@ -28,6 +29,7 @@ BEGIN {
   allowed["mle/exchange"] = exchange
   allowed["mle/correction"] = correction
   allowed["mle/explain"] = explain
+  allowed["mle/filter"] = filter
   allowed["mle/maintain"] = all_of_mle
   all_of_mle = all_of_mle " mle/monitor"
   allowed["mle/monitor"] = all_of_mle
