@@ -197,10 +197,10 @@ nlohmann::ordered_json FilterJson(const Result& result) {
     if (noise.colour_ratio > 0.0) {
       row["coloured_variance"] = noise.colour_variance();
       row["coloured_time_constant"] = noise.colour_memory() * sample_time;
-      row["coloured_damping"] = noise.colour_damping;
+      if (noise.colour_damping > 0.0) {
+        row["coloured_damping"] = noise.colour_damping;
+      }
     }
-    // Of ln q/r, ln s/r, ln 1/ω and ln ζ.
-    row["log_standard_errors"] = noise.log_deviations;
     json.push_back(std::move(row));
   }
   return json;
