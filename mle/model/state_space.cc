@@ -110,19 +110,19 @@ absl::Status DisturbanceForm::Validate(int num_outputs) const {
       K.rows() != n || K.cols() != p || Q.rows() != n || Q.cols() != n ||
       R.size() != p) {
     return InvalidArgument(
-        "disturbance model: with ", n, " states and ", p,
+        "disturbance_model: with ", n, " states and ", p,
         " outputs A must be n × n, C p × n, K n × p, Q n × n and R p long");
   }
   if (!A.allFinite() || !C.allFinite() || !K.allFinite() || !Q.allFinite() ||
       !R.allFinite() || (R.array() < 0.0).any()) {
     return absl::InvalidArgumentError(
-        "disturbance model: entries must be finite, those of R not negative");
+        "disturbance_model: entries must be finite, those of R not negative");
   }
   const Eigen::MatrixXd of_errors = A - K * C;
   const double radius = of_errors.eigenvalues().cwiseAbs().maxCoeff();
   if (radius < 1.0) return absl::OkStatus();
   return InvalidArgument(
-      "disturbance model: A − K C has an eigenvalue of magnitude ", radius,
+      "disturbance_model: A − K C has an eigenvalue of magnitude ", radius,
       ", each must be below 1: errors of the filter would grow");
 }
 

@@ -107,6 +107,10 @@ absl::StatusOr<DisturbanceForm> ReadDisturbanceModel(const JsonNode& node,
   MLE_ASSIGN_OR_RETURN(form.Q, ReadMatrix(node.At("Q"), n, n, states, states));
   MLE_ASSIGN_OR_RETURN(const std::vector<double> variances,
                        node.At("R").Numbers());
+  if (static_cast<int>(variances.size()) != p) {
+    return node.At("R").Fault("must be a list of ", p, " numbers, ", outputs,
+                              ", is one of ", variances.size());
+  }
   form.R = Eigen::Map<const Eigen::VectorXd>(
       variances.data(), static_cast<Eigen::Index>(variances.size()));
   return form;

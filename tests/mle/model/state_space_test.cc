@@ -248,6 +248,95 @@ TEST(StateSpaceJsonTest, ReadsBackWhatItWritesBitByBit) {
             named.accuracy->largest_differences);
 }
 
+// A walk and a lag behind it, of the first of two outputs.
+DisturbanceForm ExampleDisturbance() {
+  return {.A = Eigen::Matrix2d{{1.0, 0.0}, {0.0, 1.0 / 3.0}},
+          .C = Eigen::Matrix2d{{1.0, 1.0}, {0.0, 0.0}},
+          .K = Eigen::Matrix2d{{0.3, 0.0}, {0.1, 0.0}},
+          .Q = Eigen::Matrix2d{{1e-7, 0.0}, {0.0, 1e-300}},
+          .R = Eigen::Vector2d(0.1, 0.0)};
+}
+
+TEST(StateSpaceJsonTest, ReadsBackADisturbanceModelBitByBit) {
+  NamedStateSpace named;
+  named.name = "tank";
+  named.time_unit = "min";
+  named.outputs = {"level", "heat"};
+  named.inputs = {"inflow"};
+  named.system.sample_time = 1.0;
+  named.system.A = Eigen::MatrixXd{{0.5}};
+  named.system.B = Eigen::MatrixXd{{1.0}};
+  named.system.C = Eigen::MatrixXd{{1.0}, {2.0}};
+  named.system.D = Eigen::MatrixXd::Zero(2, 1);
+  named.system.input_delays = {0};
+  named.system.output_delays = {0, 3};
+  ASSERT_EQ(FormatStateSpace(named).find("disturbance_model"),
+            std::string::npos);
+  named.disturbance_model = ExampleDisturbance();
+  const auto again = ParseStateSpace(FormatStateSpace(named), "b");
+  ASSERT_TRUE(again.ok()) << again.status();
+  ASSERT_TRUE(again->disturbance_model.has_value());
+  const DisturbanceForm& form = *again->disturbance_model;
+  EXPECT_EQ(form.A, named.disturbance_model->A);
+  EXPECT_EQ(form.C, named.disturbance_model->C);
+  EXPECT_EQ(form.K, named.disturbance_model->K);
+  EXPECT_EQ(form.Q, named.disturbance_model->Q);
+  EXPECT_EQ(form.R, named.disturbance_model->R);
+  EXPECT_EQ(FormatStateSpace(*again), FormatStateSpace(named));
+}
+
+TEST(StateSpaceJsonTest, FaultsOfADisturbanceModelNameTheKey) {
+  const std::string valid =
+      R"({"A": [[1, 0], [0, 0.5]], "C": [[1, 1]], "K": [[0.3], [0.1]],
+          "Q": [[1, 0], [0, 1]], "R": [2]})";
+  const auto message = [&](const std::string& from, const std::string& to) {
+    const std::string text = absl::StrReplaceAll(valid, {{from, to}});
+    EXPECT_NE(text, valid) << from;
+    return SystemMessageWith(
+        "\"A\": [[0.9", "\"disturbance_model\": " + text + ", \"A\": [[0.9");
+  };
+  EXPECT_TRUE(ParseStateSpace(absl::StrReplaceAll(
+                                  kValidSystem,
+                                  {{"\"A\"", "\"disturbance_model\": " + valid +
+                                                 ", \"A\""}}),
+                              "s.json")
+                  .ok());
+  EXPECT_THAT(message("[[1, 1]]", "[[1, 1, 1]]"),
+              HasSubstr("disturbance_model.C[0]: must be a list of 2 numbers, "
+                        "one for each state"));
+  EXPECT_THAT(message("[[0.3], [0.1]]", "[[0.3]]"),
+              HasSubstr("disturbance_model.K: must be a list of 2 rows, one "
+                        "for each state"));
+  EXPECT_THAT(message("[[1, 0], [0, 1]]", "[[1, 0]]"),
+              HasSubstr("disturbance_model.Q: must be a list of 2 rows"));
+  EXPECT_THAT(message("[2]", "[2, 2]"),
+              HasSubstr("disturbance_model.R: must be a list of 1 numbers, one "
+                        "for each output, is one of 2"));
+  EXPECT_THAT(message("[2]", "[-2]"),
+              AllOf(HasSubstr("disturbance_model: "),
+                    HasSubstr("those of R not negative")));
+  EXPECT_THAT(message("[[0.3], [0.1]]", "[[0], [0.1]]"),
+              AllOf(HasSubstr("disturbance_model: A − K C"),
+                    HasSubstr("an eigenvalue of magnitude 1")));
+  EXPECT_THAT(message(R"("R": [2])", R"("r": [2])"), HasSubstr("\"R\""));
+  EXPECT_THAT(message(R"("K": [[0.3], [0.1]],)", ""),
+              AllOf(HasSubstr("disturbance_model"), HasSubstr("\"K\"")));
+}
+
+TEST(DisturbanceFormTest, ShapesAndSizesAreChecked) {
+  ASSERT_TRUE(ExampleDisturbance().Validate(2).ok());
+  EXPECT_FALSE(ExampleDisturbance().Validate(1).ok());
+  DisturbanceForm form = ExampleDisturbance();
+  form.Q(0, 1) = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(std::string(form.Validate(2).message()),
+              HasSubstr("must be finite"));
+  form = ExampleDisturbance();
+  form.K(0, 0) = 2.5;
+  EXPECT_THAT(std::string(form.Validate(2).message()),
+              HasSubstr("errors of the filter would grow"));
+  EXPECT_FALSE(DisturbanceForm().Validate(2).ok());
+}
+
 TEST(StateSpaceJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
   EXPECT_THAT(SystemMessageWith("\"order\": 2", "\"order\": 3"),
               AllOf(StartsWith("s.json: A: must be a list of 3 rows, one for "
