@@ -33,7 +33,8 @@ class MleCorrectPage : public ::testing::Test {
           SimulateHeater(scratch, "run.csv", model, plant,
                          {"--lost_probability=0.02", "--seed=3"});
       result = Correct(CorrectionFlags(model, data, out,
-                                       {"--figures=true", "--truth=" + plant}),
+                                       {"--figures=true", "--truth=" + plant,
+                                        "--control_period=0.5"}),
                        out);
       html = Content(out + "/report.html");
     }
@@ -159,6 +160,22 @@ TEST_F(MleCorrectPage, TheLoopFollowsSetPointsBetterOnThePlantAsCorrected) {
   EXPECT_THAT(html_, HasSubstr("What it means for control"));
   EXPECT_THAT(Content(out_ + "/control.svg"),
               HasSubstr("with the corrected model"));
+}
+
+// Without the controller's tuning nothing is said of loops.
+TEST_F(MleCorrectPage, WithoutTheTuningPredictionsAreCompared) {
+  const std::string out = scratch_ / "not_told";
+  const nlohmann::json result = Correct(
+      CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", out), out);
+  const std::string html = Content(out + "/report.html");
+  EXPECT_THAT(html, HasSubstr("What it means for predictions</h2>"));
+  EXPECT_THAT(html, HasSubstr("the correction moves predictions up to "));
+  EXPECT_THAT(html, HasSubstr("y2 unchanged."));
+  EXPECT_THAT(html, HasSubstr("--control_period"));
+  EXPECT_EQ(html.find("What it means for control"), std::string::npos);
+  EXPECT_EQ(html.find("Tuning of the controller"), std::string::npos);
+  EXPECT_TRUE(result["tuning"].empty());
+  EXPECT_FALSE(result_["tuning"].empty());
 }
 
 TEST_F(MleCorrectPage, SaysWhyLoopsAreNotCompared) {

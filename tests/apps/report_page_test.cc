@@ -56,7 +56,10 @@ TEST(ReportPageTest, OfAPlantWithSevenOutputs) {
       {set_points, "--duration=1250", "--sample_time=1", "--control_period=2",
        "--prediction_horizon=20", "--control_horizon=3", "--output_weight=1",
        "--move_weight=1", "--noise_variance=1e-4"});
-  Correct(CorrectionFlags(model, data, scratch / "out", {"--figures=true"}),
+  Correct(CorrectionFlags(model, data, scratch / "out",
+                          {"--figures=true", "--control_period=2",
+                           "--prediction_horizon=20", "--control_horizon=3",
+                           "--output_weight=1", "--move_weight=1"}),
           scratch / "out");
   const std::string page = scratch / "out/report.html";
   // The response that has changed, six of seven set points followed, fourteen
@@ -95,8 +98,9 @@ TEST(ReportPageTest, OfACorrection) {
   const std::string model = scratch.Write("model.json", HeaterJson(Heater()));
   const std::string plant = scratch.Write("plant.json", HeaterJson(aged));
   const std::string data = SimulateHeater(scratch, "run.csv", model, plant);
-  Correct(CorrectionFlags(model, data, scratch / "out",
-                          {"--figures=true", "--truth=" + plant}),
+  Correct(CorrectionFlags(
+              model, data, scratch / "out",
+              {"--figures=true", "--truth=" + plant, "--control_period=0.5"}),
           scratch / "out");
   // The response that has changed, two set points followed, step responses of
   // four pairs, records of four channels, predictions of two outputs, two
