@@ -48,7 +48,7 @@ from .interop import (
     to_time_response,
 )
 from .lifecycles import LifecycleResult, lifecycle, lifecycle_options
-from .model import from_fopdt, from_step_responses, from_transfer_functions
+from .model import DisturbanceModel, from_fopdt, from_step_responses, from_transfer_functions
 from .mpc import Mpc
 from .records import read_records, to_dataframe
 from .simulation import simulate, simulate_options
@@ -61,6 +61,7 @@ __all__ = [
     "CancelledError",
     "Comparison",
     "CorrectionResult",
+    "DisturbanceModel",
     "Error",
     "Example",
     "FileAccessError",

@@ -6,6 +6,8 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .model import DisturbanceModel
+
 __version__: str
 
 Array = NDArray[np.float64]
@@ -126,6 +128,8 @@ class StateSpaceModel:
     def input_delays(self) -> List[int]: ...
     @property
     def output_delays(self) -> List[int]: ...
+    @property
+    def disturbance_model(self) -> Optional[DisturbanceModel]: ...
     @property
     def process(self) -> ProcessModel: ...
 

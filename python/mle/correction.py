@@ -169,6 +169,22 @@ class CorrectionResult:
         rows = [_row(element) for element in self.to_dict()["elements"]]
         return pd.DataFrame(rows).set_index(["output", "input"])
 
+    @property
+    def filters(self) -> Any:
+        """A data frame with a row for each output, of the filters of its disturbance.
+
+        ``bias_gain`` at the control period and ``bias_time_constant`` are those of a
+        bias filter, ``gain_in_use`` that of the one in use; ``bias_error``,
+        ``kalman_error`` and ``error_in_use`` are the errors of predictions, and
+        ``bias_better`` and ``kalman_better`` say whether the filter in use is worse;
+        ``missing`` is why an output has no filter, or empty. The Kalman gain is in
+        ``state_space.disturbance_model``. Without rows where nothing was estimated.
+        """
+        import pandas as pd
+
+        rows = [_filter_row(row) for row in self.to_dict().get("filter", [])]
+        return pd.DataFrame(rows, columns=_FILTER_COLUMNS).set_index("output")
+
     def summary(self) -> str:
         """What the command prints with --verbose: verdict, what it rests on, tables of
         elements, validation and residuals, and what to do."""
@@ -236,6 +252,29 @@ class CorrectionResult:
         )
         name = html.escape(f"{self.initial.name} ({self.decision}): {first}")
         return f"<p><b>{name}</b></p>{sentences}{pictures}"
+
+
+_FILTER_COLUMNS = (
+    "output gain_in_use error_in_use bias_gain bias_time_constant bias_error bias_better "
+    "kalman_error kalman_better missing"
+).split()
+
+
+def _filter_row(row: Dict[str, Any]) -> Dict[str, Any]:
+    nan = float("nan")
+    bias, kalman = row.get("bias", {}), row.get("kalman", {})
+    return {
+        "output": row["output"],
+        "gain_in_use": row["gain_in_use"],
+        "error_in_use": row.get("error_in_use", nan),
+        "bias_gain": bias.get("gain", nan),
+        "bias_time_constant": bias.get("time_constant", nan),
+        "bias_error": bias.get("error", nan),
+        "bias_better": bias.get("better", False),
+        "kalman_error": kalman.get("error", nan),
+        "kalman_better": kalman.get("better", False),
+        "missing": row.get("missing", ""),
+    }
 
 
 def _row(element: Dict[str, Any]) -> Dict[str, Any]:

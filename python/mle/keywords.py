@@ -95,6 +95,7 @@ class CorrectOptions(ReadOptions, total=False):
     clock_error: Numbers
     deviations: Numbers
     response_horizon: Numbers
+    filter: bool
     control_period: Numbers
     prediction_horizon: Numbers
     control_horizon: Numbers

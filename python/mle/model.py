@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from typing import Any, Optional, Sequence, Union
+from typing import Any, NamedTuple, Optional, Sequence, Union
 
 from . import _mle
 from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
@@ -14,6 +14,25 @@ KINDS = (ProcessModel, StepResponseModel, StateSpaceModel)
 # What functions take as a model: one of these, the path of a file, or a system of
 # scipy.signal or python-control without dead times.
 ModelLike = Union[ProcessModel, StepResponseModel, StateSpaceModel, str, "os.PathLike[str]", Any]
+
+
+class DisturbanceModel(NamedTuple):
+    """What disturbs the outputs beside the inputs, and the filter that follows it:
+
+        d[k+1] = A d[k] + w[k],  y[k] = (the model's output) + C d[k] + v[k],
+        e[k+1] = A e[k] + K (y[k] - (the model's output) - C e[k]),
+
+    with the covariance Q of w and the variances R of v, at the model's sample
+    time. ``K`` is the stationary Kalman gain, e the estimate of d. With n states
+    and p outputs A is (n, n), C (p, n), K (n, p), Q (n, n) and R (p,); outputs
+    whose rows of C are zero have no filter.
+    """
+
+    A: Any
+    C: Any
+    K: Any
+    Q: Any
+    R: Any
 
 
 def given_model(model: ModelLike) -> Any:

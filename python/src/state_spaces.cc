@@ -60,6 +60,15 @@ NamedStateSpace Make(const Array& a, const Array& b, const Array& c,
   return named;
 }
 
+// mle.DisturbanceModel, or None.
+py::object DisturbanceModelOf(const NamedStateSpace& model) {
+  if (!model.disturbance_model.has_value()) return py::none();
+  const DisturbanceForm& form = *model.disturbance_model;
+  return py::module_::import("mle.model")
+      .attr("DisturbanceModel")(CopyOf(form.A), CopyOf(form.C), CopyOf(form.K),
+                                CopyOf(form.Q), CopyOf(form.R));
+}
+
 }  // namespace
 
 void AddStateSpaces(py::module_& module) {
@@ -111,6 +120,9 @@ void AddStateSpaces(py::module_& module) {
           "output_delays",
           [](const NamedStateSpace& m) { return m.system.output_delays; },
           "Dead times of the p outputs, in samples.")
+      .def_property_readonly(
+          "disturbance_model", &DisturbanceModelOf,
+          "The DisturbanceModel of the outputs; None where there is none.")
       .def_property_readonly(
           "process", [](const py::object& self) { return ProcessOf(self); },
           "The ProcessModel whose transfer functions describe its step "

@@ -1,5 +1,6 @@
 """Step responses, state spaces, and systems of other packages, in and out."""
 
+import json
 import pickle
 
 import numpy as np
@@ -119,6 +120,21 @@ def test_state_space_of_arrays():
         x = system.A @ x + system.B[:, 0]
     described = system.process.step_response(1.0, 101)[:, 0, 0]
     np.testing.assert_allclose(described, response, atol=0.002 * response.max())
+
+
+def test_disturbance_model_of_a_state_space():
+    system = state_space()
+    assert system.disturbance_model is None
+    content = json.loads(system.to_json())
+    content["disturbance_model"] = {"A": [[1.0]], "C": [[1.0]], "K": [[0.25]], "Q": [[0.01]],
+                                    "R": [0.1]}
+    disturbed = mle.StateSpaceModel.from_json(json.dumps(content))
+    A, C, K, Q, R = disturbed.disturbance_model
+    assert A.shape == C.shape == Q.shape == (1, 1) and R.shape == (1,) and K[0, 0] == 0.25
+    assert disturbed != system and pickle.loads(pickle.dumps(disturbed)) == disturbed
+    content["disturbance_model"]["K"] = [[-0.25]]
+    with pytest.raises(mle.InvalidInputError, match="disturbance_model: A − K C"):
+        mle.StateSpaceModel.from_json(json.dumps(content))
 
 
 def test_what_is_wrong_with_a_state_space():

@@ -64,6 +64,24 @@ def test_state_space_is_as_near_as_it_says(result):
     assert system.outputs == ["level"]
 
 
+def test_filters_of_disturbances(result, loop):
+    model, _, record = loop
+    row = result.filters.loc["level"]
+    (written,) = result.to_dict()["filter"]
+    assert row.bias_gain == written["bias"]["gain"] and row.gain_in_use == 1.0
+    assert row.bias_better and row.bias_error < row.error_in_use and row.missing == ""
+    form = result.state_space.disturbance_model
+    np.testing.assert_array_equal(form.K[:, 0], written["kalman"]["gain"])
+    assert form.R[0] == written["measurement_variance"]
+    assert abs(np.linalg.eigvals(form.A - form.K @ form.C)).max() < 1.0
+    again = pickle.loads(pickle.dumps(result))
+    assert again.filters.equals(result.filters)
+    np.testing.assert_array_equal(again.state_space.disturbance_model.Q, form.Q)
+    without = mle.correct(model, record, filter=False, **FAST)
+    assert without.filters.empty and "filter" not in without.to_dict()
+    assert without.state_space.disturbance_model is None
+
+
 def test_page_and_files(result, tmp_path):
     result.report(tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
