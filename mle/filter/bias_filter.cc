@@ -4,33 +4,18 @@
 #include <cmath>
 #include <limits>
 
-#include "Eigen/LU"
 #include "glog/logging.h"
 #include "mle/nonlinear/brent_search.h"
 
 namespace mle {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 const double kLeastLogGain = std::log(1e-6);
 constexpr int kGridPoints = 28;  // two an e-fold
 constexpr int kGainBits = 20;
-
-// The coloured component (a) or (a, b): γ_k = (A^k Σ)_{11} with its stationary
-// covariance Σ.
-struct Coloured {
-  MatrixXd A;
-  VectorXd covariance;  // the first column of Σ
-
-  explicit Coloured(const DisturbanceSystem& system) {
-    const Eigen::Index n = system.order() - 1;
-    A = system.A.bottomRightCorner(n, n);
-    covariance =
-        StationaryCovariance(A, system.Q.bottomRightCorner(n, n)).col(0);
-  }
-};
 
 }  // namespace
 
@@ -38,28 +23,33 @@ double BiasFilterError(const DisturbanceSystem& system, double gain,
                        int horizon) {
   CHECK(gain > 0.0 && gain <= 1.0);
   CHECK_GE(horizon, 1);
-  const double q = system.Q(0, 0);
+  const Index n = system.order();
   const double r = system.noise_variance;
-  const double kept = 1.0 - gain;
-  const double left = gain * (2.0 - gain);  // 1 − θ²
-  double error = (kept * kept * q + gain * gain * r) / left + r +
-                 0.5 * (horizon + 1.0) * q;
-  if (system.order() == 1) return error;
-  const Coloured coloured(system);
-  const Eigen::Index n = coloured.A.rows();
-  const Eigen::PartialPivLU<MatrixXd> rest(MatrixXd::Identity(n, n) -
-                                           kept * coloured.A);
-  // Σ_{k≥0} θ^k γ_k.
-  const double now = coloured.covariance(0);
-  const double sum = rest.solve(coloured.covariance)(0);
-  error += gain * gain * (2.0 * sum - now) / left + now;
-  VectorXd later = coloured.covariance;
-  double ahead = 0.0;
+  const LevelAndRest parts = Separate(system);
+  const Eigen::RowVectorXd C = system.C.tail(n - 1);
+  // (δ, y)_l = M (δ, y)_{l−1} + W (ξ, η) + (g v, 0).
+  MatrixXd M = MatrixXd::Zero(n, n);
+  M(0, 0) = 1.0 - gain;
+  M.row(0).tail(n - 1) = gain * C * parts.B;
+  M.bottomRightCorner(n - 1, n - 1) = parts.B;
+  MatrixXd W = MatrixXd::Identity(n, n);
+  W(0, 0) = gain - 1.0;
+  W.row(0).tail(n - 1) = gain * C;
+  MatrixXd shocks = W * parts.N * W.transpose();
+  shocks(0, 0) += gain * gain * r;
+  const MatrixXd stationary = StationaryCovariance(M, shocks);
+  Eigen::RowVectorXd row(n);
+  Eigen::RowVectorXd ahead = C;  // C B^h
+  double of_shocks = 0.0;
+  double sum = 0.0;
   for (int h = 1; h <= horizon; ++h) {
-    later = (coloured.A * later).eval();
-    ahead += rest.solve(later)(0);
+    row << 1.0, ahead;
+    of_shocks += (row * parts.N).dot(row);
+    ahead *= parts.B;
+    row << -1.0, ahead;
+    sum += (row * stationary).dot(row) + of_shocks;
   }
-  return error - 2.0 * gain * ahead / horizon;
+  return sum / horizon + r;
 }
 
 double BestBiasGain(const DisturbanceSystem& system, int horizon) {

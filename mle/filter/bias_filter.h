@@ -3,12 +3,16 @@
 //   ŵ_l = ŵ_{l−1} + g (z_l − ŵ_{l−1}),   prediction of z_{l+h}: ŵ_l,
 //
 // at its control instants; g = 1 is the plain bias update of dynamic matrix
-// control, and −Δt_c / ln(1 − g) the time constant of the filter. Of a random
-// walk (increments of variance q), a coloured component with covariances γ_k
-// and white noise (r), the error of ŵ_l is, with θ = 1 − g,
+// control, and −Δt_c / ln(1 − g) the time constant of the filter. With the walk
+// w and what decays, y (Separate()), δ = ŵ − w and y are stationary,
 //
-//   Var(ŵ − w) = (θ² q + g² r + g² (γ_0 + 2 Σ_{k≥1} θ^k γ_k)) / (1 − θ²),
-//   E (z_{l+h} − ŵ_l)² = Var(ŵ − w) + h q + γ_0 + r − 2 g Σ_{k≥0} θ^k γ_{h+k}.
+//   δ_l = (1 − g) (δ_{l−1} − ξ_{l−1}) + g (C y_l + v_l),   y_l = B y_{l−1} +
+//   η_{l−1},
+//
+// and the error of a prediction is
+//
+//   z_{l+h} − ŵ_l = C B^h y_l − δ_l + Σ_{i<h} (ξ_{l+i} + C B^{h−1−i} η_{l+i}) +
+//   v.
 //
 // Internal to mle/filter.
 

@@ -1,5 +1,7 @@
 #include "mle/filter/disturbance_system.h"
 
+#include <cmath>
+
 #include "Eigen/LU"
 #include "glog/logging.h"
 #include "mle/nonlinear/colour.h"
@@ -39,17 +41,34 @@ DisturbanceSystem EverySample(const NoiseEstimate& noise) {
   return system;
 }
 
-}  // namespace
-
-DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples) {
+DisturbanceSystem EverySeveral(const DisturbanceSystem& one, int samples) {
   CHECK_GE(samples, 1);
-  const DisturbanceSystem one = EverySample(noise);
   DisturbanceSystem system = one;
   for (int i = 1; i < samples; ++i) {
     system.Q = (one.A * system.Q * one.A.transpose() + one.Q).eval();
     system.A = (one.A * system.A).eval();
   }
   return system;
+}
+
+}  // namespace
+
+DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples) {
+  return EverySeveral(EverySample(noise), samples);
+}
+
+DisturbanceSystem WalkBehindLag(const NoiseEstimate& noise, double lag,
+                                int samples) {
+  CHECK_GT(lag, 0.0);
+  const double pole = std::exp(-1.0 / lag);
+  DisturbanceSystem system{.A = MatrixXd::Identity(2, 2),
+                           .C = Eigen::RowVector2d(0.0, 1.0),
+                           .Q = MatrixXd::Zero(2, 2),
+                           .noise_variance = noise.variance};
+  system.A(1, 0) = -std::expm1(-1.0 / lag);
+  system.A(1, 1) = pole;
+  system.Q(0, 0) = noise.increment_variance();
+  return EverySeveral(system, samples);
 }
 
 MatrixXd StationaryCovariance(const MatrixXd& A, const MatrixXd& Q) {
@@ -62,6 +81,24 @@ MatrixXd StationaryCovariance(const MatrixXd& A, const MatrixXd& Q) {
     power = (power * power).eval();
   }
   return sum;
+}
+
+LevelAndRest Separate(const DisturbanceSystem& system) {
+  const Eigen::Index n = system.order();
+  const Eigen::Index rest = n - 1;
+  LevelAndRest parts{.level = VectorXd::Zero(n),
+                     .B = system.A.bottomRightCorner(rest, rest)};
+  parts.level(0) = 1.0;
+  if (rest > 0) {
+    parts.level.tail(rest) = (MatrixXd::Identity(rest, rest) - parts.B)
+                                 .partialPivLu()
+                                 .solve(system.A.col(0).tail(rest));
+  }
+  // (ξ, η) = T ω.
+  MatrixXd T = MatrixXd::Identity(n, n);
+  T.col(0).tail(rest) = -parts.level.tail(rest);
+  parts.N = T * system.Q * T.transpose();
+  return parts;
 }
 
 StationaryFilter SolveStationaryFilter(const DisturbanceSystem& system) {

@@ -3,12 +3,14 @@
 //
 // What a model leaves of an output, measured less simulated, is a random walk
 // w, a coloured component a of first or second order and white measurement
-// noise v (NoiseEstimate):
+// noise v (NoiseEstimate); or, in place of w and a, a walk behind a lag, as a
+// load at an input is:
 //
 //   d_{k+1} = A d_k + ω_k,   z_k = C d_k + v_k,   Var ω = Q,  Var v = r,
 //
-// d = (w), (w, a) or (w, a, b). Every `samples`-th sample of it is a system of
-// the same form, A^s and Σ_{i<s} A^i Q (A^i)ᵀ. Its best linear predictor is
+// d = (w), (w, a) or (w, a, b); (w, x), x_{k+1} = φ x_k + (1 − φ) w_k. Every
+// `samples`-th sample of it is a system of the same form, A^s and Σ_{i<s} A^i Q
+// (A^i)ᵀ. Its best linear predictor is
 //
 //   d̂_{k+1} = A d̂_k + K (z_k − C d̂_k),   K = A P Cᵀ / F,   F = C P Cᵀ + r,
 //   P = A P Aᵀ − A P Cᵀ C P Aᵀ / F + Q.
@@ -28,7 +30,8 @@
 namespace mle {
 
 struct DisturbanceSystem {
-  Eigen::MatrixXd A;            // n × n, n from 1 to 3
+  // n × n, n from 1 to 3. The first state is the walk, A(0, :) = (1, 0, …).
+  Eigen::MatrixXd A;
   Eigen::RowVectorXd C;         // n
   Eigen::MatrixXd Q;            // n × n
   double noise_variance = 0.0;  // r
@@ -39,10 +42,24 @@ struct DisturbanceSystem {
 // Every `samples`-th sample, ≥ 1. Sinusoids and steps of the estimate are left
 // out.
 DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples);
+// A walk with the increments of `noise` behind a lag of this time constant, in
+// samples > 0; its coloured component is left out.
+DisturbanceSystem WalkBehindLag(const NoiseEstimate& noise, double lag,
+                                int samples);
 
 // Σ = A Σ Aᵀ + Q of a component that decays.
 Eigen::MatrixXd StationaryCovariance(const Eigen::MatrixXd& A,
                                      const Eigen::MatrixXd& Q);
+
+// The states as the walk makes them, and what decays: d = l w + (0, y),
+//   y_{k+1} = B y_k + η_k,   Cov (ξ, η) = N,   C l = 1,
+// where ξ are the increments of the walk.
+struct LevelAndRest {
+  Eigen::VectorXd level;  // l, n
+  Eigen::MatrixXd B;      // (n − 1) × (n − 1)
+  Eigen::MatrixXd N;      // n × n
+};
+LevelAndRest Separate(const DisturbanceSystem& system);
 
 struct StationaryFilter {
   Eigen::VectorXd gain;              // K, n

@@ -12,7 +12,9 @@
 #include "mle/data/record.h"
 #include "mle/filter/bias_filter.h"
 #include "mle/filter/residual_prediction.h"
+#include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/colour_search.h"
+#include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/output_fit.h"
@@ -28,6 +30,8 @@ constexpr int kLongestHorizon = 1000;  // in control periods
 // A noise has four parameters and an offset.
 constexpr int kLeastSamples = 50;
 constexpr int kLeastRun = 20;
+// A filter is better where smaller errors are as likely by chance as this.
+constexpr double kByChance = 0.05;
 
 int CountMeasured(const std::vector<VectorXd>& residuals) {
   Index count = 0;
@@ -37,21 +41,79 @@ int CountMeasured(const std::vector<VectorXd>& residuals) {
   return static_cast<int>(count);
 }
 
-// The class is the one that predicts best: by Akaike's criterion, two for each
-// parameter, where an explanation would ask for more (noise_search.h).
-Profile LikeliestForPrediction(const ShapeLikelihood& likelihood) {
-  constexpr double kPrice = 2.0;
+// Akaike's price of a parameter: the class is the one that predicts best, where
+// an explanation would ask for more (noise_search.h).
+constexpr double kPrice = 2.0;
+// Time constant of what does not return within the records, in samples of all.
+constexpr double kIntegrates = 10.0;
+constexpr double kLagStep = 2.0;
+constexpr double kLongestLag = 0.1;  // of the samples of all
+constexpr double kLogRatioRange = 6.0;
+constexpr int kSearchBits = 10;
+
+// The time constant of the lag, in samples, of a noise that does not return.
+double LagOf(const NoiseShape& shape) {
+  const double damping = shape.colour_damping;
+  return MemoryOf(shape.colour_pole) *
+         (damping - std::sqrt(damping * damping - 1.0));
+}
+
+// The likeliest walk behind a lag, as coloured noise that all but integrates.
+Profile BestWalkBehindLag(const ShapeLikelihood& likelihood) {
+  const double samples = likelihood.problem().num_samples();
+  const double slow = kIntegrates * samples;
+  Profile best;
+  const auto search = [&](double lag, double log_walk) {
+    const double natural = std::sqrt(lag * slow);
+    NoiseShape shape{.colour_pole = PoleOf(natural),
+                     .colour_damping = 0.5 * (lag + slow) / natural};
+    // Shocks of a walk reach 1/(1 − exp(−1/lag)) of their size behind it.
+    const double lost = -2.0 * std::log(-std::expm1(-1.0 / lag));
+    Profile of_lag;
+    SearchLeast(log_walk - kLogRatioRange, log_walk + kLogRatioRange,
+                kSearchBits, [&](double log_ratio) {
+                  shape.colour_ratio = std::exp(log_ratio - lost);
+                  const Profile profile = likelihood.At(shape);
+                  if (profile.value < of_lag.value) of_lag = profile;
+                  return profile.value;
+                });
+    if (of_lag.value < best.value) best = of_lag;
+    return of_lag.value;
+  };
+  double best_lag = 1.0;
+  double least = best.value;
+  const double walk = -kLogRatioRange;  // ln ρ from −12 to 0
+  for (double lag = 1.0; lag <= kLongestLag * samples; lag *= kLagStep) {
+    const double value = search(lag, walk);
+    if (value >= least) continue;
+    least = value;
+    best_lag = lag;
+  }
+  SearchLeast(std::log(best_lag / kLagStep), std::log(best_lag * kLagStep),
+              kSearchBits,
+              [&](double log_lag) { return search(std::exp(log_lag), walk); });
+  return best;
+}
+
+struct FoundShape {
+  Profile profile;
+  bool walk_behind_lag = false;
+};
+
+FoundShape LikeliestForPrediction(const ShapeLikelihood& likelihood) {
   const Profile walk = FindBestShape(likelihood, NoiseShape(),
                                      /*estimate_drift=*/true,
                                      /*search_colour=*/false);
-  Profile best = walk;
+  FoundShape best{.profile = walk};
   double least = walk.value;
+  const auto compare = [&](const FoundShape& found, double price) {
+    if (!(found.profile.value + price < least)) return;
+    least = found.profile.value + price;
+    best = found;
+  };
+  compare({BestWalkBehindLag(likelihood), true}, kPrice);
   for (const int order : {1, 2}) {
-    const Profile coloured = FindBestColour(likelihood, order, walk);
-    const double value = coloured.value + kPrice * (order + 1);
-    if (!(value < least)) continue;
-    least = value;
-    best = coloured;
+    compare({FindBestColour(likelihood, order, walk)}, kPrice * (order + 1));
   }
   return best;
 }
@@ -83,9 +145,33 @@ NoiseShape WithMeanRatio(const ShapeLikelihood& likelihood,
   return at;
 }
 
-// The noise of one output.
-NoiseEstimate NoiseOf(const std::vector<VectorXd>& residuals,
-                      double sample_time) {
+struct OutputNoise {
+  NoiseEstimate noise;
+  double walk_lag = 0.0;
+
+  DisturbanceSystem Every(int samples) const {
+    return walk_lag > 0.0 ? WalkBehindLag(noise, walk_lag, samples)
+                          : SystemOf(noise, samples);
+  }
+};
+
+OutputNoise WalkOf(const ShapeLikelihood& likelihood,
+                   const Profile& behind_lag) {
+  const NoiseShape& shape = behind_lag.shape;
+  OutputNoise found;
+  found.walk_lag = LagOf(shape);
+  found.noise.variance = behind_lag.variance();
+  // Of the walk a shock is 1/(1 − exp(−1/lag)) as large.
+  found.noise.ratio =
+      shape.colour_ratio * std::pow(std::expm1(-1.0 / found.walk_lag), -2.0);
+  // That of ln s/r.
+  found.noise.log_deviations[0] = LogDeviations(likelihood, behind_lag)[1];
+  return found;
+}
+
+// The noise of one output; none (r = 0) of too few samples.
+OutputNoise NoiseOf(const std::vector<VectorXd>& residuals,
+                    double sample_time) {
   std::vector<Record> records;
   Index longest = 1;
   for (const VectorXd& residual : residuals) {
@@ -99,19 +185,20 @@ NoiseEstimate NoiseOf(const std::vector<VectorXd>& residuals,
   if (problem.num_samples() < kLeastSamples) return {};
   const ShapeLikelihood likelihood(problem, OutputPoint(), {}, NoiseShape(),
                                    /*restricted=*/true);
-  const Profile best = LikeliestForPrediction(likelihood);
+  const auto [best, walk_behind_lag] = LikeliestForPrediction(likelihood);
+  if (walk_behind_lag) return WalkOf(likelihood, best);
   const Profile drifting = likelihood.At(WithMeanRatio(likelihood, best.shape));
-  NoiseEstimate noise;
-  noise.variance = drifting.variance();
-  noise.ratio = drifting.shape.ratio;
-  noise.colour_ratio = best.shape.colour_ratio;
-  noise.colour_pole = best.shape.colour_pole;
-  noise.colour_damping = best.shape.colour_damping;
+  OutputNoise found;
+  found.noise.variance = drifting.variance();
   // Less drift cannot be seen in a record; with none, a constant disturbance
   // would never be followed.
   const auto length = static_cast<double>(longest);
-  noise.ratio = std::max(noise.ratio, 1.0 / (length * length));
-  return noise;
+  found.noise.ratio = std::max(drifting.shape.ratio, 1.0 / (length * length));
+  found.noise.colour_ratio = best.shape.colour_ratio;
+  found.noise.colour_pole = best.shape.colour_pole;
+  found.noise.colour_damping = best.shape.colour_damping;
+  found.noise.log_deviations = LogDeviations(likelihood, drifting);
+  return found;
 }
 
 bool Varies(const std::vector<VectorXd>& residuals) {
@@ -146,44 +233,55 @@ std::vector<VectorXd> HalfOf(const std::vector<VectorXd>& residuals, int half) {
   return parts;
 }
 
-struct HalfErrors {
-  SquaredErrors in_use;
-  SquaredErrors bias;
-  SquaredErrors kalman;
+// Blocks of what was held out.
+struct HeldOutErrors {
+  std::vector<SquaredErrors> in_use;
+  std::vector<SquaredErrors> bias;
+  std::vector<SquaredErrors> kalman;
 };
 
-// Of a half that is predicted by the noise of the other.
-HalfErrors ErrorsOf(const std::vector<VectorXd>& half,
-                    const NoiseEstimate& noise, const PredictionGrid& grid,
-                    double gain_in_use) {
-  const DisturbanceSystem system = SystemOf(noise, 1);
+// Adds those of a half that is predicted by the noise of the other.
+void AddErrors(const std::vector<VectorXd>& half, const OutputNoise& noise,
+               const PredictionGrid& grid, double gain_in_use,
+               HeldOutErrors& errors) {
+  const DisturbanceSystem system = noise.Every(1);
   const StationaryFilter filter = SolveStationaryFilter(system);
-  const double gain = BestBiasGain(SystemOf(noise, grid.samples), grid.horizon);
-  HalfErrors errors;
+  const double gain = BestBiasGain(noise.Every(grid.samples), grid.horizon);
+  const auto append = [](const std::vector<SquaredErrors>& blocks,
+                         std::vector<SquaredErrors>& all) {
+    all.insert(all.end(), blocks.begin(), blocks.end());
+  };
   for (const VectorXd& residual : half) {
     // Filters have forgotten how they began.
     const Index first = std::min<Index>(Index{grid.horizon} * grid.samples,
                                         residual.size() / 4);
     const Index last = residual.size();
-    errors.in_use.Add(BiasErrors(residual, gain_in_use, grid, first, last));
-    errors.bias.Add(BiasErrors(residual, gain, grid, first, last));
-    errors.kalman.Add(
-        KalmanErrors(residual, system, filter, grid, first, last));
+    append(BiasErrors(residual, gain_in_use, grid, first, last), errors.in_use);
+    append(BiasErrors(residual, gain, grid, first, last), errors.bias);
+    append(KalmanErrors(residual, system, filter, grid, first, last),
+           errors.kalman);
   }
-  return errors;
 }
 
-FilterForm Compare(const std::array<HalfErrors, 2>& halves,
-                   SquaredErrors HalfErrors::*form) {
-  FilterForm result;
-  result.better = true;
-  SquaredErrors all;
-  for (const HalfErrors& half : halves) {
-    const SquaredErrors& errors = half.*form;
-    all.Add(errors);
-    if (!(errors.sum < half.in_use.sum)) result.better = false;
+// Student's test of differences of blocks, d̄ / √(s²/B) with B − 1 degrees of
+// freedom, one-sided.
+FilterForm Compare(const std::vector<SquaredErrors>& form,
+                   const std::vector<SquaredErrors>& in_use) {
+  FilterForm result{.error = std::sqrt(Together(form).mean())};
+  VectorXd gains(static_cast<Index>(form.size()));
+  Index blocks = 0;
+  for (std::size_t b = 0; b < form.size(); ++b) {
+    if (in_use[b].count > 0.0) {
+      gains(blocks++) = in_use[b].mean() - form[b].mean();
+    }
   }
-  result.error = std::sqrt(all.mean());
+  if (blocks < 2) return result;
+  const auto count = static_cast<double>(blocks);
+  const double mean = gains.head(blocks).mean();
+  const double squares = (gains.head(blocks).array() - mean).square().sum();
+  if (!(mean > 0.0)) return result;
+  const double t = mean / std::sqrt(squares / (count * (count - 1.0)));
+  result.better = StudentTail(t, count - 1.0) < kByChance;
   return result;
 }
 
@@ -191,10 +289,10 @@ void FindFilter(const std::vector<VectorXd>& residuals, double sample_time,
                 const PredictionGrid& grid, OutputFilter& filter) {
   const std::array<std::vector<VectorXd>, 2> halves = {HalfOf(residuals, 0),
                                                        HalfOf(residuals, 1)};
-  std::array<NoiseEstimate, 2> noises;
+  std::array<OutputNoise, 2> noises;
   for (int half = 0; half < 2; ++half) {
     noises[half] = NoiseOf(halves[half], sample_time);
-    if (!(noises[half].variance > 0.0)) {
+    if (!(noises[half].noise.variance > 0.0)) {
       filter.reason =
           absl::StrCat("half of the records has fewer than ", kLeastSamples,
                        " measured samples that the model can be compared with");
@@ -205,29 +303,28 @@ void FindFilter(const std::vector<VectorXd>& residuals, double sample_time,
     filter.reason = "nothing disturbs the output in half of the records";
     return;
   }
-  filter.noise = NoiseOf(residuals, sample_time);
-  filter.system = SystemOf(filter.noise, 1);
+  const OutputNoise noise = NoiseOf(residuals, sample_time);
+  filter.noise = noise.noise;
+  filter.walk_lag = noise.walk_lag;
+  filter.system = noise.Every(1);
   filter.stationary = SolveStationaryFilter(filter.system);
-  filter.bias_gain =
-      BestBiasGain(SystemOf(filter.noise, grid.samples), grid.horizon);
+  filter.bias_gain = BestBiasGain(noise.Every(grid.samples), grid.horizon);
   filter.bias_time_constant =
       filter.bias_gain < 1.0
           ? -grid.samples * sample_time / std::log1p(-filter.bias_gain)
           : 0.0;
-  std::array<HalfErrors, 2> errors;
-  SquaredErrors in_use;
+  HeldOutErrors errors;
   for (int half = 0; half < 2; ++half) {
-    errors[half] =
-        ErrorsOf(halves[half], noises[1 - half], grid, filter.gain_in_use);
-    in_use.Add(errors[half].in_use);
+    AddErrors(halves[half], noises[1 - half], grid, filter.gain_in_use, errors);
   }
+  const SquaredErrors in_use = Together(errors.in_use);
   if (!(in_use.count > 0.0)) {
     filter.reason = "the records are shorter than a control period";
     return;
   }
   filter.error_in_use = std::sqrt(in_use.mean());
-  filter.kalman = Compare(errors, &HalfErrors::kalman);
-  filter.bias = Compare(errors, &HalfErrors::bias);
+  filter.kalman = Compare(errors.kalman, errors.in_use);
+  filter.bias = Compare(errors.bias, errors.in_use);
 }
 
 }  // namespace
@@ -289,29 +386,67 @@ std::vector<OutputFilter> FindFilters(const std::vector<MatrixXd>& residuals,
   return filters;
 }
 
-DisturbanceForm CombineFilters(const std::vector<OutputFilter>& filters) {
-  Index n = 0;
-  for (const OutputFilter& filter : filters) {
-    if (filter.kalman.better) n += filter.system.order();
+namespace {
+
+struct RunningFilter {
+  DisturbanceSystem system;
+  VectorXd gain;
+};
+
+// A walk and noise, g² F and (1 − g) F, under which the gain in use is best;
+// F is the variance of innovations.
+RunningFilter InUse(const OutputFilter& filter, int samples) {
+  const double kept =
+      std::pow(1.0 - filter.gain_in_use,
+               static_cast<double>(samples) / filter.samples_of_period);
+  const double gain = 1.0 - kept;
+  const double F = filter.stationary.innovation_variance;
+  return {.system = {.A = MatrixXd::Ones(1, 1),
+                     .C = Eigen::RowVectorXd::Ones(1),
+                     .Q = MatrixXd::Constant(1, 1, gain * gain * F),
+                     .noise_variance = kept * F},
+          .gain = VectorXd::Constant(1, gain)};
+}
+
+RunningFilter Running(const OutputFilter& filter, int samples) {
+  if (!filter.kalman.better) return InUse(filter, samples);
+  RunningFilter running = {
+      .system = OutputNoise{filter.noise, filter.walk_lag}.Every(samples)};
+  running.gain = SolveStationaryFilter(running.system).gain;
+  return running;
+}
+
+}  // namespace
+
+DisturbanceForm CombineFilters(const std::vector<OutputFilter>& filters,
+                               int samples) {
+  if (std::none_of(filters.begin(), filters.end(),
+                   [](const auto& filter) { return filter.kalman.better; })) {
+    return {};
   }
-  DisturbanceForm form;
-  if (n == 0) return form;
   const auto p = static_cast<Index>(filters.size());
-  form.A = MatrixXd::Zero(n, n);
-  form.C = MatrixXd::Zero(p, n);
-  form.K = MatrixXd::Zero(n, p);
-  form.Q = MatrixXd::Zero(n, n);
-  form.R = VectorXd::Zero(p);
+  std::vector<RunningFilter> running(p);
+  Index n = 0;
+  for (Index i = 0; i < p; ++i) {
+    if (!filters[i].estimated()) continue;
+    running[i] = Running(filters[i], samples);
+    n += running[i].gain.size();
+  }
+  DisturbanceForm form = {.A = MatrixXd::Zero(n, n),
+                          .C = MatrixXd::Zero(p, n),
+                          .K = MatrixXd::Zero(n, p),
+                          .Q = MatrixXd::Zero(n, n),
+                          .R = VectorXd::Zero(p)};
   Index at = 0;
   for (Index i = 0; i < p; ++i) {
-    const OutputFilter& filter = filters[i];
-    if (!filter.kalman.better) continue;
-    const Index order = filter.system.order();
-    form.A.block(at, at, order, order) = filter.system.A;
-    form.C.block(i, at, 1, order) = filter.system.C;
-    form.K.block(at, i, order, 1) = filter.stationary.gain;
-    form.Q.block(at, at, order, order) = filter.system.Q;
-    form.R(i) = filter.system.noise_variance;
+    if (!filters[i].estimated()) continue;
+    const auto& [system, gain] = running[i];
+    const Index order = system.order();
+    form.A.block(at, at, order, order) = system.A;
+    form.C.block(i, at, 1, order) = system.C;
+    form.K.block(at, i, order, 1) = gain;
+    form.Q.block(at, at, order, order) = system.Q;
+    form.R(i) = system.noise_variance;
     at += order;
   }
   return form;

@@ -16,7 +16,8 @@
 //
 // Each is compared with the bias filter in use by the errors of its predictions
 // over the horizon on the half of the records that it was not estimated from,
-// and is better only where both halves gain.
+// and is better only where these are less by more than chance: by Student's
+// test of blocks of a horizon, at 5 %.
 //
 // Sources: Odelson, Rajamani and Rawlings, Automatica 42 (2006) 303–308, for
 // the problem; Anderson and Moore, Optimal Filtering, 1979, ch. 4.
@@ -56,14 +57,17 @@ struct FilterOptions {
 // A form of the filter, and the root mean squared errors of its predictions on
 // the halves held out.
 struct FilterForm {
-  bool better = false;  // than the filter in use, on both halves
+  bool better = false;  // than the filter in use
   double error = 0.0;
 };
 
 struct OutputFilter {
   // Why there is no estimate; empty: there is one.
   std::string reason;
-  NoiseEstimate noise;  // a sample; its random walk at least one of 1/N²
+  // A sample; its random walk at least one of ρ = 1/N².
+  NoiseEstimate noise;
+  // The walk acts behind a lag of this time constant, in samples; 0: as it is.
+  double walk_lag = 0.0;
   DisturbanceSystem system;
   StationaryFilter stationary;
   double bias_gain = 0.0;           // g, at the control period
@@ -87,10 +91,13 @@ std::vector<OutputFilter> FindFilters(
     const std::vector<bool>& integrating, double settling_time,
     const FilterOptions& options, int threads);
 
-// Of all outputs that have a better Kalman filter; rows of C and columns of K
-// of the others are zero, as are their entries of R. Empty matrices where none
-// is better.
-DisturbanceForm CombineFilters(const std::vector<OutputFilter>& filters);
+// The disturbances of all outputs for a filter that runs every `samples`-th
+// sample: where the Kalman filter is not better a random walk, whose gain is
+// that of the bias filter in use. Outputs without an estimate have zero rows of
+// C and zero columns of K, so that their disturbance is not followed. Empty
+// matrices where no Kalman filter is better.
+DisturbanceForm CombineFilters(const std::vector<OutputFilter>& filters,
+                               int samples);
 
 }  // namespace mle
 

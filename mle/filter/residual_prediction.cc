@@ -31,22 +31,32 @@ SquaredErrors ErrorsFrom(const VectorXd& residual, Index l,
   return errors;
 }
 
+// Adds what is predicted from sample l to its block.
+void AddTo(std::vector<SquaredErrors>& blocks, Index l, Index first,
+           const PredictionGrid& grid, const SquaredErrors& errors) {
+  const auto block = static_cast<std::size_t>(
+      (l - first) / (Index{grid.horizon} * grid.samples));
+  if (block >= blocks.size()) blocks.resize(block + 1);
+  blocks[block].Add(errors);
+}
+
 Index FirstMeasured(const VectorXd& residual) {
   Index first = 0;
   while (first < residual.size() && !std::isfinite(residual(first))) ++first;
   return first;
 }
 
-// Nothing is known of the random walk; the coloured component is stationary.
-MatrixXd StartCovariance(const DisturbanceSystem& system) {
+// Nothing is known of the walk; what decays is stationary.
+MatrixXd StartCovariance(const DisturbanceSystem& system,
+                         const LevelAndRest& parts) {
   const Index n = system.order() - 1;
   MatrixXd P = MatrixXd::Zero(n + 1, n + 1);
   if (n > 0) {
-    P.bottomRightCorner(n, n) = StationaryCovariance(
-        system.A.bottomRightCorner(n, n), system.Q.bottomRightCorner(n, n));
+    P.bottomRightCorner(n, n) =
+        StationaryCovariance(parts.B, parts.N.bottomRightCorner(n, n));
   }
-  P(0, 0) = kUnknown * (system.noise_variance + P.diagonal().sum());
-  return P;
+  const double size = system.noise_variance + P.trace();
+  return P + kUnknown * size * parts.level * parts.level.transpose();
 }
 
 // P of the next sample, and the gain of this one, 0 where it is not measured;
@@ -72,9 +82,16 @@ bool AdvanceCovariance(const DisturbanceSystem& system,
 
 }  // namespace
 
-SquaredErrors BiasErrors(const VectorXd& residual, double gain,
-                         const PredictionGrid& grid, Index first, Index last) {
-  SquaredErrors errors;
+SquaredErrors Together(const std::vector<SquaredErrors>& blocks) {
+  SquaredErrors all;
+  for (const SquaredErrors& block : blocks) all.Add(block);
+  return all;
+}
+
+std::vector<SquaredErrors> BiasErrors(const VectorXd& residual, double gain,
+                                      const PredictionGrid& grid, Index first,
+                                      Index last) {
+  std::vector<SquaredErrors> errors;
   Index l = FirstMeasured(residual);
   if (l == residual.size()) return errors;
   double bias = 0.0;
@@ -85,17 +102,18 @@ SquaredErrors BiasErrors(const VectorXd& residual, double gain,
       bias += std::max(gain, 1.0 / known) * (residual(l) - bias);
     }
     if (l < first) continue;
-    errors.Add(ErrorsFrom(residual, l, grid, [&](Index) { return bias; }));
+    AddTo(errors, l, first, grid,
+          ErrorsFrom(residual, l, grid, [&](Index) { return bias; }));
   }
   return errors;
 }
 
-SquaredErrors KalmanErrors(const VectorXd& residual,
-                           const DisturbanceSystem& system,
-                           const StationaryFilter& filter,
-                           const PredictionGrid& grid, Index first,
-                           Index last) {
-  SquaredErrors errors;
+std::vector<SquaredErrors> KalmanErrors(const VectorXd& residual,
+                                        const DisturbanceSystem& system,
+                                        const StationaryFilter& filter,
+                                        const PredictionGrid& grid, Index first,
+                                        Index last) {
+  std::vector<SquaredErrors> errors;
   const Index start = FirstMeasured(residual);
   if (start == residual.size()) return errors;
   // Rows C A^{hs−1}, which predict from the state of the sample to come.
@@ -105,8 +123,9 @@ SquaredErrors KalmanErrors(const VectorXd& residual,
     for (; power < (h + 1) * grid.samples - 1; ++power) row *= system.A;
     ahead.row(h) = row;
   }
-  VectorXd state = VectorXd::Zero(system.order());
-  MatrixXd P = StartCovariance(system);
+  const LevelAndRest parts = Separate(system);
+  VectorXd state = parts.level * residual(start);
+  MatrixXd P = StartCovariance(system, parts);
   VectorXd gain = filter.gain;
   bool settled = false;
   for (Index k = start; k < last; ++k) {
@@ -117,9 +136,9 @@ SquaredErrors KalmanErrors(const VectorXd& residual,
         measured ? residual(k) - system.C.dot(state) : 0.0;
     state = (system.A * state + innovation * gain).eval();
     if (k < first || (k - start) % grid.samples != 0) continue;
-    errors.Add(ErrorsFrom(residual, k, grid, [&](Index h) {
-      return ahead.row(h - 1).dot(state);
-    }));
+    AddTo(errors, k, first, grid, ErrorsFrom(residual, k, grid, [&](Index h) {
+            return ahead.row(h - 1).dot(state);
+          }));
   }
   return errors;
 }

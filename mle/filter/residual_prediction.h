@@ -31,17 +31,20 @@ struct SquaredErrors {
   }
 };
 
+SquaredErrors Together(const std::vector<SquaredErrors>& blocks);
+
 // Of predictions that are made at samples [first, last) of a residual, of which
-// NaN are not measured.
-SquaredErrors BiasErrors(const Eigen::VectorXd& residual, double gain,
-                         const PredictionGrid& grid, Eigen::Index first,
-                         Eigen::Index last);
+// NaN are not measured: for each block of starts as long as the horizon, after
+// which errors are nearly independent.
+std::vector<SquaredErrors> BiasErrors(const Eigen::VectorXd& residual,
+                                      double gain, const PredictionGrid& grid,
+                                      Eigen::Index first, Eigen::Index last);
 // The system and its filter are those of every sample.
-SquaredErrors KalmanErrors(const Eigen::VectorXd& residual,
-                           const DisturbanceSystem& system,
-                           const StationaryFilter& filter,
-                           const PredictionGrid& grid, Eigen::Index first,
-                           Eigen::Index last);
+std::vector<SquaredErrors> KalmanErrors(const Eigen::VectorXd& residual,
+                                        const DisturbanceSystem& system,
+                                        const StationaryFilter& filter,
+                                        const PredictionGrid& grid,
+                                        Eigen::Index first, Eigen::Index last);
 
 }  // namespace mle
 

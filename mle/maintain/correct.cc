@@ -133,7 +133,7 @@ absl::Status EstimateFilters(CorrectionResult& result) {
   result.filters = FindFilters(
       residuals, result.data.sample_time(), IntegratingOutputs(result.model),
       SettlingTime(result.model), options.filter, options.threads);
-  DisturbanceForm form = CombineFilters(result.filters);
+  DisturbanceForm form = CombineFilters(result.filters, /*samples=*/1);
   if (result.state_space.model.has_value() && form.A.size() > 0) {
     result.state_space.model->disturbance_model = std::move(form);
   }

@@ -41,7 +41,7 @@ struct DisturbanceForm {
   Eigen::MatrixXd C;  // p × n
   Eigen::MatrixXd K;  // n × p, the stationary Kalman gain
   Eigen::MatrixXd Q;  // n × n
-  Eigen::VectorXd R;  // p; 0 where an output has none
+  Eigen::VectorXd R;  // p
 
   // Shapes agree, n ≥ 1, entries are finite, R is not negative, and no error of
   // the filter grows: the eigenvalues of A − K C lie inside the unit circle.

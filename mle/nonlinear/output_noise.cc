@@ -16,20 +16,25 @@ using Eigen::MatrixXd;
 constexpr double kCurvatureStep = 0.3;
 constexpr double kMaxLogDeviation = 3.0;
 
-// The standard deviation of one logarithm of the shape, by the curvature of the
-// likelihood at its maximum `best`; `shifted` gives the shape moved.
-template <typename Shifted>
-double LogDeviation(const ShapeLikelihood& likelihood, const Profile& best,
-                    Shifted shifted) {
-  const double curvature =
-      (likelihood.At(shifted(kCurvatureStep)).value +
-       likelihood.At(shifted(-kCurvatureStep)).value - 2.0 * best.value) /
-      (kCurvatureStep * kCurvatureStep);
-  // A flat likelihood says little, but not nothing: the range is finite.
-  return std::min(std::sqrt(2.0 / std::max(curvature, 1e-3)), kMaxLogDeviation);
-}
-
 }  // namespace
+
+std::array<double, kShapeParameters> LogDeviations(
+    const ShapeLikelihood& likelihood, const Profile& best) {
+  std::array<double, kShapeParameters> deviations = {};
+  for (int i = 0; i < kShapeParameters; ++i) {
+    if (!HasParameter(best.shape, i)) continue;
+    const auto moved = [&](double by) {
+      return likelihood.At(Moved(best.shape, i, by)).value;
+    };
+    const double curvature =
+        (moved(kCurvatureStep) + moved(-kCurvatureStep) - 2.0 * best.value) /
+        (kCurvatureStep * kCurvatureStep);
+    // A flat likelihood says little, but not nothing: the range is finite.
+    deviations[i] =
+        std::min(std::sqrt(2.0 / std::max(curvature, 1e-3)), kMaxLogDeviation);
+  }
+  return deviations;
+}
 
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
@@ -49,11 +54,7 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
   noise.colour_ratio = best.shape.colour_ratio;
   noise.colour_pole = best.shape.colour_pole;
   noise.colour_damping = best.shape.colour_damping;
-  for (int i = 0; i < kShapeParameters; ++i) {
-    if (!HasParameter(best.shape, i)) continue;
-    noise.log_deviations[i] = LogDeviation(
-        likelihood, best, [&](double by) { return Moved(best.shape, i, by); });
-  }
+  noise.log_deviations = LogDeviations(likelihood, best);
   return noise;
 }
 

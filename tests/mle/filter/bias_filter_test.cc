@@ -45,7 +45,8 @@ TEST(BiasFilterTest, ExpectedErrorIsTheMeanOfALongRecord) {
         const double expected =
             BiasFilterError(SystemOf(noise, samples), gain, grid.horizon);
         const double seen =
-            BiasErrors(record, gain, grid, 1000, record.size()).mean();
+            Together(BiasErrors(record, gain, grid, 1000, record.size()))
+                .mean();
         EXPECT_NEAR(seen, expected, 0.03 * expected)
             << "gain " << gain << ", every " << samples;
       }

@@ -46,12 +46,13 @@ TEST(OutputFilterTest, IsNearlyAsGoodAsTheTrueFilter) {
     const PredictionGrid grid{.samples = 1, .horizon = 30};
     const DisturbanceSystem system = SystemOf(noise, 1);
     const double truth =
-        KalmanErrors(unseen, system, SolveStationaryFilter(system), grid, 1000,
-                     unseen.size())
+        Together(KalmanErrors(unseen, system, SolveStationaryFilter(system),
+                              grid, 1000, unseen.size()))
             .mean();
-    const double found = KalmanErrors(unseen, filter.system, filter.stationary,
-                                      grid, 1000, unseen.size())
-                             .mean();
+    const double found =
+        Together(KalmanErrors(unseen, filter.system, filter.stationary, grid,
+                              1000, unseen.size()))
+            .mean();
     EXPECT_LT(found, 1.05 * truth);
   }
 }
@@ -100,8 +101,9 @@ TEST(OutputFilterTest, MissingSamplesAreBridged) {
   ASSERT_TRUE(third.estimated());
   const VectorXd unseen = DrawNoise(noise, 50'000, 7);
   const auto error = [&](const OutputFilter& filter) {
-    return KalmanErrors(unseen, filter.system, filter.stationary,
-                        {.samples = 1, .horizon = 30}, 1000, unseen.size())
+    return Together(KalmanErrors(unseen, filter.system, filter.stationary,
+                                 {.samples = 1, .horizon = 30}, 1000,
+                                 unseen.size()))
         .mean();
   };
   EXPECT_LT(error(third), 1.05 * error(whole));
@@ -142,7 +144,7 @@ TEST(OutputFilterTest, OutputsTogether) {
       FindFilters({residuals}, 1.0, {false, false}, 30.0, {}, 2);
   ASSERT_TRUE(filters[0].kalman.better);
   ASSERT_TRUE(filters[1].kalman.better);
-  const DisturbanceForm form = CombineFilters(filters);
+  const DisturbanceForm form = CombineFilters(filters, 1);
   const MatrixXd closed = form.A - form.K * form.C;
   EXPECT_LT(closed.eigenvalues().cwiseAbs().maxCoeff(), 1.0);
   EXPECT_EQ(form.R(0), filters[0].noise.variance);
