@@ -18,6 +18,15 @@
 // then are at θ = √(1 − g), the fading-memory filter with g = 1 − θ²,
 // h = (1 − θ)². (Brookner, Tracking and Kalman Filtering Made Easy, 1998, ch. 1
 // and 7.)
+//
+// Instead of these, outputs that do not integrate may have a disturbance model
+// (DisturbanceForm, state_space.h) at the control instants, as mle_correct
+// finds it,
+//
+//   d̂ ← A d̂ + K (z − C d̂),   forecast i instants ahead C A^{i−1} d̂,
+//
+// which, other than a walk, may return to its mean, or go on rising for a
+// while.
 
 #ifndef CONTROL_DISTURBANCE_OBSERVER_H_
 #define CONTROL_DISTURBANCE_OBSERVER_H_
@@ -25,6 +34,7 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/model/state_space.h"
 
 namespace mle::control {
 
@@ -38,14 +48,23 @@ class DisturbanceObserver {
   explicit DisturbanceObserver(const Eigen::VectorXd& variance_ratios,
                                const std::vector<bool>& integrating = {});
 
+  // Of a valid model of all outputs (p), for forecasts up to `horizon`
+  // instants.
+  DisturbanceObserver(const DisturbanceForm& model, int horizon);
+
+  bool has_model() const { return model_.A.size() > 0; }
   const Eigen::VectorXd& gains() const { return gains_; }  // p, g
   // p, h: 0 of outputs without ramps.
   const Eigen::VectorXd& slope_gains() const { return slope_gains_; }
-  // ŵ (p), the filtered disturbance.
+  // ŵ (p), the filtered disturbance; after Advance() the one expected at the
+  // coming instant.
   const Eigen::VectorXd& disturbance() const { return disturbance_; }
   // d̂ (p), what ŵ grows by from one instant to the next.
   const Eigen::VectorXd& slope() const { return slope_; }
-  // Sets ŵ and d̂.
+  // Adds what is expected i ≥ 1 instants after the last Update() to `outputs`
+  // (p).
+  void AddForecast(int i, Eigen::Ref<Eigen::VectorXd> outputs) const;
+  // Sets ŵ and d̂; of a model the state that stays, if it has one.
   void Restart(const Eigen::Ref<const Eigen::VectorXd>& disturbance,
                const Eigen::Ref<const Eigen::VectorXd>& slope);
 
@@ -54,13 +73,19 @@ class DisturbanceObserver {
   void Update(const Eigen::Ref<const Eigen::VectorXd>& measured,
               const Eigen::Ref<const Eigen::VectorXd>& predicted);
   // On to the next instant: ŵ ← ŵ + d̂.
-  void Advance() { disturbance_ += slope_; }
+  void Advance();
 
  private:
   Eigen::VectorXd gains_;
   Eigen::VectorXd slope_gains_;
   Eigen::VectorXd disturbance_;
   Eigen::VectorXd slope_;
+  DisturbanceForm model_;       // empty: none
+  Eigen::VectorXd state_;       // n: d̂ of the coming instant
+  Eigen::VectorXd next_;        // n
+  Eigen::VectorXd innovation_;  // p
+  // C A^{i−1}, i = 1 …, one below the other: p·horizon × n.
+  Eigen::MatrixXd forecasts_;
 };
 
 }  // namespace mle::control

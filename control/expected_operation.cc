@@ -143,12 +143,28 @@ VectorXd VarianceFrom(const std::vector<double>& covariances,
   return variance;
 }
 
+// Σ_k x(k)² for each row x behind a lag, x(k) ← φ x(k−1) + (1 − φ) step(k−1),
+// what is left after the end with it.
+VectorXd SquaresBehindLag(const MatrixXd& step, double lag) {
+  const double pole = std::exp(-1.0 / lag);
+  VectorXd lagged = VectorXd::Zero(step.rows());
+  VectorXd squares = lagged;
+  for (const auto& column : step.colwise()) {
+    lagged = pole * lagged + (1.0 - pole) * column;
+    squares += lagged.cwiseAbs2();
+  }
+  return squares + pole * pole / (1.0 - pole * pole) * lagged.cwiseAbs2();
+}
+
 // p + m: σ² of what answers this output's noise and disturbances.
 VectorXd VarianceOf(const OutputConditions& conditions, const MatrixXd& step,
                     int output) {
   MatrixXd impulse = step;
   impulse.rightCols(step.cols() - 1) -= step.leftCols(step.cols() - 1);
-  VectorXd variance = conditions.walk_variance * step.rowwise().squaredNorm() +
+  VectorXd variance = conditions.walk_variance *
+                          (conditions.walk_lag > 0.0
+                               ? SquaresBehindLag(step, conditions.walk_lag)
+                               : VectorXd(step.rowwise().squaredNorm())) +
                       VarianceFrom(conditions.covariances, impulse);
   impulse(output, 0) -= 1.0;
   variance += conditions.noise_variance * impulse.rowwise().squaredNorm();

@@ -16,7 +16,8 @@
 //   σ² = Σ_i [ q_i Σ_k D_i(k)² + Σ_h γ_i(|h|) Σ_k H_i(k) H_i(k+|h|)
 //              + r_i Σ_k H′_i(k)² ],
 //
-// H′_i being H_i without the noise itself, which the product does not have. A
+// H′_i being H_i without the noise itself, which the product does not have; a
+// walk behind a lag answers by D_i behind that lag. A
 // set point that moves by s_i adds, in all instants after it,
 //
 //   to ∫ (y − r)² dt   Δt_c Σ_k (s_i R_i(k))²,
@@ -52,8 +53,10 @@ namespace mle::control {
 
 // The conditions that an output meets; variances in its squared unit.
 struct OutputConditions {
-  double noise_variance = 0.0;           // r ≥ 0, of the measurement alone
-  double walk_variance = 0.0;            // q ≥ 0, of a control period
+  double noise_variance = 0.0;  // r ≥ 0, of the measurement alone
+  double walk_variance = 0.0;   // q ≥ 0, of a control period
+  // The walk acts behind a lag of this time constant, in control periods ≥ 0.
+  double walk_lag = 0.0;
   std::vector<double> covariances = {};  // γ_0, γ_1, … by period; 0 beyond
   double changes = 0.0;                  // of its set point, per unit of time
   double change_size = 0.0;              // s, root mean square

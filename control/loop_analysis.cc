@@ -413,6 +413,11 @@ absl::Status CheckLoop(const Mpc& mpc, const PredictionModel& plant) {
         " and ", model.control_period,
         "; these and the inputs' roles must be the same");
   }
+  if (mpc.observer().has_model()) {
+    return absl::FailedPreconditionError(
+        "the controller has a disturbance model; loops with bias filters alone "
+        "are analysed");
+  }
   const int periods = std::max(plant.periods(), model.periods());
   if (periods > kMostAnalysedPeriods) {
     return InvalidArgument(

@@ -25,14 +25,23 @@ std::vector<bool> IntegratingOutputs(const PredictionModel& model) {
   return integrating;
 }
 
+DisturbanceObserver ObserverOf(const PredictionModel& model,
+                               const MpcOptions& options) {
+  if (options.disturbance_model.has_value()) {
+    return DisturbanceObserver(*options.disturbance_model,
+                               options.prediction_horizon);
+  }
+  return DisturbanceObserver(options.VarianceRatios(model.num_outputs),
+                             IntegratingOutputs(model));
+}
+
 }  // namespace
 
 Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
     : model_(std::move(model)),
       options_(std::move(options)),
       planner_(std::move(planner)),
-      observer_(options_.VarianceRatios(model_.num_outputs),
-                IntegratingOutputs(model_)),
+      observer_(ObserverOf(model_, options_)),
       manipulated_(model_.InputsOf(InputRole::kManipulated)),
       disturbances_(model_.InputsOf(InputRole::kDisturbance)),
       free_response_(model_),
@@ -53,6 +62,11 @@ absl::StatusOr<Mpc> Mpc::CreateAtRest(PredictionModel model,
     return InvalidArgument("control_period = ", options.control_period,
                            ", but the prediction model has ",
                            model.control_period);
+  }
+  if (options.disturbance_model.has_value() && model.IsIntegrating()) {
+    return absl::InvalidArgumentError(
+        "disturbance_model: an output integrates, which has a ramp as its "
+        "disturbance; leave the model out");
   }
   if (model.InputsOf(InputRole::kManipulated).empty()) {
     return absl::InvalidArgumentError(
@@ -148,9 +162,9 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
   predicted_ = free_response_.At(0);
   observer_.Update(measured_outputs, predicted_);
   for (int i = 0; i < options_.prediction_horizon; ++i) {
-    free_outputs_.segment(Eigen::Index{p} * i, p) = free_response_.At(i + 1) +
-                                                    observer_.disturbance() +
-                                                    (i + 1) * observer_.slope();
+    auto outputs = free_outputs_.segment(Eigen::Index{p} * i, p);
+    outputs = free_response_.At(i + 1);
+    observer_.AddForecast(i + 1, outputs);
   }
   error_ = set_points_ - free_outputs_;
   HoldLastSetPoints();

@@ -155,6 +155,9 @@ absl::Status MpcOptions::Validate(int num_outputs, int num_inputs) const {
   }
   MLE_RETURN_IF_ERROR(ValidateVector(disturbance_variance_ratios, num_outputs,
                                      0.0, "disturbance_variance_ratios"));
+  if (disturbance_model.has_value()) {
+    MLE_RETURN_IF_ERROR(disturbance_model->Validate(num_outputs));
+  }
   MLE_RETURN_IF_ERROR(
       ValidateWeight(output_weight, num_outputs, "output_weight", "outputs"));
   MLE_RETURN_IF_ERROR(

@@ -3,10 +3,12 @@
 #ifndef CONTROL_MPC_OPTIONS_H_
 #define CONTROL_MPC_OPTIONS_H_
 
+#include <optional>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
+#include "mle/model/state_space.h"
 
 namespace mle::control {
 
@@ -47,6 +49,8 @@ struct MpcOptions {
   // given, one for each (p).
   double disturbance_variance_ratio = 0.1;
   Eigen::VectorXd disturbance_variance_ratios;
+  // In place of them: of all outputs, sampled every Δt_c; no output integrates.
+  std::optional<DisturbanceForm> disturbance_model;
 
   absl::Status Validate(int num_outputs, int num_inputs) const;
 

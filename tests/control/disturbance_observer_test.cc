@@ -93,5 +93,63 @@ TEST(DisturbanceObserverTest, WithInfiniteRatioIsThePlainBiasUpdate) {
   EXPECT_EQ(observer.disturbance()[0], -1.0);
 }
 
+// A random walk with this gain, and a component that decays.
+DisturbanceForm WalkAndDecay() {
+  DisturbanceForm form;
+  form.A = Eigen::Vector2d(1.0, 0.8).asDiagonal();
+  form.C = Eigen::RowVector2d(1.0, 1.0);
+  form.K = Eigen::Vector2d(0.1, 0.4);
+  form.Q = Eigen::Matrix2d::Identity();
+  form.R = VectorXd::Ones(1);
+  return form;
+}
+
+TEST(DisturbanceModelTest, AWalkIsTheBiasFilter) {
+  DisturbanceForm walk;
+  walk.A = walk.C = walk.Q = Eigen::MatrixXd::Ones(1, 1);
+  walk.K = Eigen::MatrixXd::Constant(1, 1, StationaryGain(0.1));
+  walk.R = VectorXd::Ones(1);
+  DisturbanceObserver modelled(walk, 5);
+  DisturbanceObserver bias(VectorXd::Constant(1, 0.1));
+  for (const double measured : {1.0, -2.0, 0.5, 7.0}) {
+    const VectorXd y = VectorXd::Constant(1, measured);
+    for (DisturbanceObserver* const observer : {&modelled, &bias}) {
+      observer->Update(y, VectorXd::Zero(1));
+      observer->Advance();
+    }
+    EXPECT_NEAR(modelled.disturbance()[0], bias.disturbance()[0], 1e-15);
+    VectorXd one = VectorXd::Zero(1);
+    VectorXd other = VectorXd::Zero(1);
+    modelled.AddForecast(3, one);
+    bias.AddForecast(3, other);
+    EXPECT_NEAR(one[0], other[0], 1e-15);
+  }
+}
+
+// d̂ ← A d̂ + K e, forecasts C A^{i−1} d̂.
+TEST(DisturbanceModelTest, ForecastsDecayAsTheModelSays) {
+  DisturbanceObserver observer(WalkAndDecay(), 4);
+  observer.Update(VectorXd::Constant(1, 5.0), VectorXd::Constant(1, 3.0));
+  for (int i = 1; i <= 4; ++i) {
+    VectorXd outputs = VectorXd::Constant(1, 10.0);
+    observer.AddForecast(i, outputs);
+    EXPECT_NEAR(outputs[0], 10.0 + 2.0 * (0.1 + 0.4 * std::pow(0.8, i - 1)),
+                1e-14);
+  }
+  // A measurement that is missing leaves the state to the model.
+  observer.Advance();
+  observer.Update(VectorXd::Constant(1, std::nan("")), VectorXd::Zero(1));
+  observer.Advance();
+  EXPECT_NEAR(observer.disturbance()[0], 2.0 * (0.1 + 0.4 * 0.8), 1e-14);
+}
+
+TEST(DisturbanceModelTest, RestartsAtTheStateThatStays) {
+  DisturbanceObserver observer(WalkAndDecay(), 4);
+  observer.Restart(VectorXd::Constant(1, 3.0), VectorXd::Zero(1));
+  VectorXd last = VectorXd::Zero(1);
+  observer.AddForecast(4, last);
+  EXPECT_NEAR(last[0], 3.0, 1e-13);
+}
+
 }  // namespace
 }  // namespace mle::control

@@ -30,6 +30,29 @@ TEST(MpcAllocationTest, StepAllocatesNothing) {
   EXPECT_EQ(testing::AllocationCount(), before);
 }
 
+TEST(MpcAllocationTest, StepWithADisturbanceModelAllocatesNothing) {
+  MpcOptions options;
+  options.output_weight = Eigen::MatrixXd::Identity(2, 2);
+  options.move_weight = Eigen::MatrixXd::Identity(3, 3);
+  DisturbanceForm form;
+  form.A = Eigen::Vector4d(1.0, 0.9, 1.0, 0.5).asDiagonal();
+  form.C = Eigen::MatrixXd::Zero(2, 4);
+  form.C << 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0;
+  form.K = 0.2 * form.C.transpose();
+  form.Q = Eigen::MatrixXd::Identity(4, 4);
+  form.R = Eigen::VectorXd::Ones(2);
+  options.disturbance_model = form;
+  absl::StatusOr<Mpc> created = Mpc::Create(testing::MixedModel(), options);
+  ASSERT_TRUE(created.ok()) << created.status();
+  Mpc mpc = *std::move(created);
+  const Eigen::MatrixXd measured = Eigen::MatrixXd::Random(2, 100);
+  const Eigen::VectorXd set_points = Eigen::VectorXd::Zero(2);
+  Eigen::VectorXd next(3);
+  const std::size_t before = testing::AllocationCount();
+  for (int l = 0; l < 100; ++l) mpc.Step(measured.col(l), set_points, next);
+  EXPECT_EQ(testing::AllocationCount(), before);
+}
+
 // With limits of all kinds at work, feed-forward and preview.
 TEST(MpcAllocationTest, StepWithinLimitsAllocatesNothing) {
   ProcessModel model(

@@ -1,6 +1,7 @@
 #include "control/mpc.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -402,6 +403,45 @@ TEST(MpcTest, RefusesAModelThatItCannotControl) {
       CreateError(SingleLoop(TransferFunction::FirstOrder(1.0, 1e9, 0.0)),
                   SingleOptions(1.0, 1.0)),
       HasSubstr("longer control_period"));
+}
+
+// A walk of each output with the gain of ρ as disturbance model: the same
+// moves.
+TEST(MpcDisturbanceModelTest, AWalkGivesTheMovesOfTheBiasFilter) {
+  const ProcessModel model = MixedModel();
+  MpcOptions options = MixedOptions();
+  Mpc bias = MakeMpc(model, options);
+  DisturbanceForm walks;
+  walks.A = walks.C = walks.Q = MatrixXd::Identity(2, 2);
+  walks.K = MatrixXd::Identity(2, 2) *
+            StationaryGain(options.disturbance_variance_ratio);
+  walks.R = VectorXd::Ones(2);
+  options.disturbance_model = walks;
+  Mpc modelled = MakeMpc(model, options);
+  VectorXd one(3);
+  VectorXd other(3);
+  const VectorXd set_points = VectorXd::Zero(2);
+  for (int l = 0; l < 20; ++l) {
+    const VectorXd measured = Eigen::Vector2d(std::sin(0.5 * l), 0.1 * l);
+    bias.Step(measured, set_points, one);
+    modelled.Step(measured, set_points, other);
+    EXPECT_TRUE(one.isApprox(other, 1e-12) || one.isZero(1e-12));
+  }
+  const VectorXd before = modelled.PredictedOutputs();
+  ASSERT_TRUE(
+      modelled.ExchangeModel(modelled.model(), modelled.options()).ok());
+  EXPECT_TRUE(modelled.PredictedOutputs().isApprox(before, 1e-10));
+}
+
+TEST(MpcDisturbanceModelTest, RefusesWhatItCannotUse) {
+  MpcOptions options = MixedOptions();
+  DisturbanceForm form;
+  form.A = form.Q = MatrixXd::Identity(1, 1);
+  form.C = form.K = MatrixXd::Ones(1, 1);
+  form.R = VectorXd::Ones(1);
+  options.disturbance_model = form;
+  EXPECT_THAT(Mpc::Create(MixedModel(), options).status().message(),
+              HasSubstr("C p × n"));
 }
 
 }  // namespace
