@@ -8,6 +8,10 @@
 #include "apps/correct/result_json.h"
 #include "apps/report/text.h"
 #include "control/disturbance_observer.h"
+#include "control/expected_operation.h"
+#include "control/mpc.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/colour.h"
 
 namespace mle::correct {
 namespace {
@@ -34,24 +38,32 @@ std::string InUse(const Result& result) {
              : "the plain bias update at every sample";
 }
 
-double PercentLess(double error, double in_use) {
-  return in_use > 0.0 ? 100.0 * (1.0 - error / in_use) : 0.0;
+// Whether the bias filter of an output is one to take: it predicts better and,
+// where the tuning is told, leaves less variance in operation.
+bool IsBiasBetter(const Result& result, std::size_t i) {
+  if (!result.filters[i].bias.better) return false;
+  return !result.request.controller_known() ||
+         (result.filter_operation.ok() &&
+          result.filter_operation->bias(static_cast<Eigen::Index>(i)) < 1.0);
 }
 
-// What may be said of each output whose bias filter is better.
+std::string Change(double ratio) {
+  const double percent = 100.0 * (ratio - 1.0);
+  return absl::StrCat(percent < 0.0 ? "−" : "+",
+                      FormatSignificant(std::abs(percent), 2), " %");
+}
+
+// Outputs whose bias filter is to be taken, with its time constant.
 std::vector<std::string> TimeConstants(const Result& result) {
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < result.filters.size(); ++i) {
     const OutputFilter& filter = result.filters[i];
-    if (!filter.bias.better) continue;
+    if (!IsBiasBetter(result, i)) continue;
     texts.push_back(absl::StrCat(
         result.initial.outputs()[i].name, " ",
         filter.bias_gain < 1.0 ? TimeOf(result, filter.bias_time_constant)
                                : "none (the plain bias update)",
-        " (errors −",
-        FormatSignificant(PercentLess(filter.bias.error, filter.error_in_use),
-                          2),
-        " %)"));
+        " (", Change(filter.bias.error / filter.error_in_use), ")"));
   }
   return texts;
 }
@@ -61,20 +73,52 @@ std::vector<std::string> BetterKalman(const Result& result) {
   for (std::size_t i = 0; i < result.filters.size(); ++i) {
     const OutputFilter& filter = result.filters[i];
     if (!filter.kalman.better) continue;
-    texts.push_back(absl::StrCat(
-        result.initial.outputs()[i].name, " −",
-        FormatSignificant(PercentLess(filter.kalman.error, filter.error_in_use),
-                          2),
-        " %"));
+    texts.push_back(
+        absl::StrCat(result.initial.outputs()[i].name, " ",
+                     Change(filter.kalman.error / filter.error_in_use)));
   }
   return texts;
 }
 
-const char* UseOf(const OutputFilter& filter) {
-  if (filter.bias.better && filter.kalman.better) return "either";
-  if (filter.bias.better) return "bias filter";
-  if (filter.kalman.better) return "Kalman gain";
+std::string VariancesOf(const Result& result, const Eigen::VectorXd& ratios) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    texts.push_back(
+        absl::StrCat(result.initial.outputs()[i].name, " ", Change(ratios(i))));
+  }
+  return absl::StrJoin(texts, ", ");
+}
+
+const char* UseOf(const Result& result, std::size_t i) {
+  const bool bias = IsBiasBetter(result, i);
+  if (bias && result.filters[i].kalman.better) return "either";
+  if (bias) return "bias filter";
+  if (result.filters[i].kalman.better) return "Kalman gain";
   return "keep";
+}
+
+// By control period.
+control::OutputConditions ConditionsOf(const OutputFilter& filter) {
+  control::OutputConditions met;
+  const NoiseEstimate& noise = filter.noise;
+  met.noise_variance = noise.variance;
+  met.walk_variance = filter.samples_of_period * noise.increment_variance();
+  met.walk_lag = filter.walk_lag / filter.samples_of_period;
+  if (!(noise.colour_ratio > 0.0)) return met;
+  constexpr int kMostLags = 1000;
+  constexpr double kNoCorrelation = 1e-4;
+  const Colour colour(noise.colour_pole, noise.colour_damping);
+  const Colour::Covariance now = colour.Stationary();
+  for (int h = 0; h < kMostLags; ++h) {
+    const Colour::Power later = colour.After(h * filter.samples_of_period);
+    met.covariances.push_back(noise.colour_ratio * noise.variance *
+                              (later.own * now.aa + later.cross * now.ab));
+    if (std::abs(met.covariances.back()) <
+        kNoCorrelation * met.covariances.front()) {
+      break;
+    }
+  }
+  return met;
 }
 
 nlohmann::ordered_json FormJson(const FilterForm& form) {
@@ -97,28 +141,85 @@ FilterOptions FilterOptionsOf(const Request& request) {
   return options;
 }
 
+absl::StatusOr<FilterOperation> CompareFilters(const Result& result) {
+  if (!result.request.controller_known()) {
+    return absl::FailedPreconditionError("the controller's tuning is not told");
+  }
+  const auto p = static_cast<Eigen::Index>(result.filters.size());
+  if (p == 0) return absl::FailedPreconditionError("there is no filter");
+  std::vector<control::OutputConditions> conditions;
+  control::MpcOptions bias = result.request.controller;
+  bias.disturbance_variance_ratios = bias.VarianceRatios(static_cast<int>(p));
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const OutputFilter& filter = result.filters[static_cast<std::size_t>(i)];
+    if (!filter.estimated()) {
+      return absl::FailedPreconditionError(absl::StrCat(
+          result.initial.outputs()[static_cast<std::size_t>(i)].name, ": ",
+          filter.reason));
+    }
+    conditions.push_back(ConditionsOf(filter));
+    if (!filter.bias.better) continue;
+    const double g = filter.bias_gain;
+    bias.disturbance_variance_ratios(i) = g * g / (1.0 - g);
+  }
+  const auto variances = [&](const control::MpcOptions& tuning)
+      -> absl::StatusOr<Eigen::VectorXd> {
+    MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
+                         control::Mpc::Create(result.model, tuning));
+    MLE_ASSIGN_OR_RETURN(
+        const control::ExpectedOperation operation,
+        control::ExpectOperation(mpc, result.model, conditions));
+    return operation.resting_variance;
+  };
+  MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd in_use,
+                       variances(result.request.controller));
+  FilterOperation operation;
+  MLE_ASSIGN_OR_RETURN(operation.bias, variances(bias));
+  operation.bias = operation.bias.cwiseQuotient(in_use);
+  operation.kalman = Eigen::VectorXd::Ones(p);
+  const DisturbanceForm form =
+      CombineFilters(result.filters, result.filters.front().samples_of_period);
+  if (form.A.size() == 0) return operation;
+  control::MpcOptions kalman = result.request.controller;
+  kalman.disturbance_model = form;
+  MLE_ASSIGN_OR_RETURN(operation.kalman, variances(kalman));
+  operation.kalman = operation.kalman.cwiseQuotient(in_use);
+  return operation;
+}
+
 std::string FilterAdvice(const Result& result) {
   const std::vector<std::string> constants = TimeConstants(result);
   const std::vector<std::string> gains = BetterKalman(result);
   if (constants.empty() && gains.empty()) return "";
   const OutputFilter& first = result.filters.front();
+  const bool told = result.filter_operation.ok();
   std::string text;
-  if (!constants.empty()) {
-    text = absl::StrCat("Time constants for the controller's bias filters: ",
-                        absl::StrJoin(constants, ", "), ". ");
-  }
   if (!gains.empty()) {
-    text += absl::StrCat(
-        "A controller with a state-space model takes K of "
-        "state_space.json (errors: ",
-        absl::StrJoin(gains, ", "), "). ");
+    text = absl::StrCat(
+        "A controller with a state-space model takes the disturbance model and "
+        "K of state_space.json: predictions up to ",
+        TimeOf(result, HorizonOf(result, first)), " ahead err by ",
+        absl::StrJoin(gains, ", "), " against ", InUse(result),
+        told
+            ? absl::StrCat(", and the variance in operation is expected to "
+                           "change by ",
+                           VariancesOf(result, result.filter_operation->kalman))
+            : "",
+        ". ");
   }
-  return absl::StrCat(
-      text, "Errors are those of predictions up to ",
-      TimeOf(result, HorizonOf(result, first)),
-      " ahead, on the half of the records that a filter was not estimated "
-      "from, against ",
-      InUse(result), ".");
+  if (!constants.empty()) {
+    text += absl::StrCat(
+        "Of a controller with bias filters these time constants predict best: ",
+        absl::StrJoin(constants, ", "),
+        told ? absl::StrCat("; variance in operation: ",
+                            VariancesOf(result, result.filter_operation->bias))
+             : "; whether they leave less variance in operation depends on the "
+               "tuning (--control_period and others)",
+        ". ");
+  }
+  return absl::StrCat(text,
+                      "Errors are those on the half of the records that a "
+                      "filter was not estimated from.");
 }
 
 report::Table FilterTable(const Result& result) {
@@ -146,7 +247,7 @@ report::Table FilterTable(const Result& result) {
                   FormatSignificant(filter.gain_in_use, 3),
                   FormatSignificant(filter.error_in_use, 3),
                   FormatSignificant(filter.bias.error, 3),
-                  FormatSignificant(filter.kalman.error, 3), UseOf(filter)});
+                  FormatSignificant(filter.kalman.error, 3), UseOf(result, i)});
   }
   return table;
 }
@@ -159,7 +260,10 @@ std::string FilterNote(const Result& result) {
       "; errors are root mean squares over predictions up to ",
       TimeOf(result, HorizonOf(result, first)),
       " ahead, on the half of the records that the filter was not estimated "
-      "from. A filter is better where both halves gain. ",
+      "from. A filter is better where its errors are less by more than chance; "
+      "a "
+      "bias filter, where the tuning is told, where the variance in operation "
+      "falls, too. ",
       result.request.controller_known()
           ? ""
           : "The controller's own filter was not given (--control_period, "
@@ -200,6 +304,16 @@ nlohmann::ordered_json FilterJson(const Result& result) {
       if (noise.colour_damping > 0.0) {
         row["coloured_damping"] = noise.colour_damping;
       }
+    }
+    if (filter.walk_lag > 0.0) {
+      row["walk_time_constant"] = filter.walk_lag * sample_time;
+    }
+    // Of ln q/r, ln s/r, ln 1/ω and ln ζ.
+    row["log_standard_errors"] = noise.log_deviations;
+    if (result.filter_operation.ok()) {
+      const auto at = static_cast<Eigen::Index>(i);
+      row["bias"]["variance_ratio"] = result.filter_operation->bias(at);
+      row["kalman"]["variance_ratio"] = result.filter_operation->kalman(at);
     }
     json.push_back(std::move(row));
   }

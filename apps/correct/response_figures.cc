@@ -157,14 +157,13 @@ std::optional<NamedFigure> ControlFigure(const Result& result) {
   const int columns = ColumnsFor(shown);
   NamedFigure named = NewFigure(
       "control",
-      absl::StrCat(
-          "A step of ",
-          all ? std::string("each set point")
-              : absl::StrCat("the ", shown,
-                             " set points whose control error changes "
-                             "most"),
-          ", with the controller's and the corrected model, tuned as "
-          "told. Deviations from the operating point, without noise."),
+      absl::StrCat("A step of ",
+                   all ? std::string("each set point")
+                       : absl::StrCat("the ", shown,
+                                      " set points whose control error changes "
+                                      "most"),
+                   ", with the controller's and the corrected model, tuned as "
+                   "told. Deviations from the operating point, without noise."),
       RowsFor(shown, columns), columns, 4.6);
   for (std::size_t k = 0; k < shown; ++k) {
     const LoopStep& step = *steps[k];

@@ -151,6 +151,7 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.warnings.insert(result.warnings.begin(), request.left_out.begin(),
                          request.left_out.end());
   CompareWithTruth(result);
+  result.filter_operation = CompareFilters(result);
   result.verdict = DescribeVerdict(result);
   result.findings = Findings(result);
   result.advice = Advise(result);

@@ -58,6 +58,13 @@ struct Tuning {
   std::vector<std::string> reasons;
 };
 
+// The variances of the outputs (p) that are expected in operation under the
+// controller as it is tuned, over those with its filter as it is.
+struct FilterOperation {
+  Eigen::VectorXd bias;    // with the bias filters that predict better
+  Eigen::VectorXd kalman;  // with the disturbance model of state_space.json
+};
+
 struct Result : CorrectionResult {
   Request request;
   std::vector<DataFile> files;
@@ -71,6 +78,8 @@ struct Result : CorrectionResult {
   Tuning tuning;
   // Set points followed before and after, or why they are not compared.
   absl::StatusOr<LoopComparison> loops;
+  // Or why it is not computed.
+  absl::StatusOr<FilterOperation> filter_operation;
 
   int exit_code() const;
 };
@@ -78,6 +87,9 @@ struct Result : CorrectionResult {
 // FailedPrecondition where nothing was corrected, the tuning was not told, or a
 // loop is not stable.
 absl::StatusOr<LoopComparison> CompareLoops(const Result& result);
+// FailedPrecondition without a filter or the controller's tuning, or where a
+// loop is not stable.
+absl::StatusOr<FilterOperation> CompareFilters(const Result& result);
 // p: by how much the correction moves predictions up to the model's settling
 // time ahead, root mean square over the windows, with the inputs recorded and
 // the measured output as the bias at the begin of each prediction.
