@@ -276,10 +276,11 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
                                                         moved);
     const VectorXd lengths = eigen.eigenvalues().cwiseMax(
         kLeastPlacebo * eigen.eigenvalues().maxCoeff());
-    made.placebo_.middleCols(s * rank, rank) =
-        moved * eigen.eigenvectors() *
-        lengths.cwiseSqrt().cwiseInverse().asDiagonal() *
+    const MatrixXd to_orthonormal =
+        eigen.eigenvectors() * lengths.cwiseSqrt().cwiseInverse().asDiagonal() *
         eigen.eigenvectors().transpose();
+    made.placebo_.middleCols(s * rank, rank) =
+        (moved * to_orthonormal).cast<float>();
   }
   return made;
 }
@@ -296,7 +297,13 @@ VectorXd Instruments::Project(const VectorXd& e,
 }
 
 MatrixXd Instruments::ProjectPlacebos(const VectorXd& e) const {
-  const VectorXd all = placebo_.transpose() * e;
+  // Without offsets, which may be larger by more than a float has digits, and
+  // in units in which no number leaves its range.
+  const VectorXd freed = Freed(e);
+  const double size = freed.norm();
+  if (!(size > 0.0)) return MatrixXd::Zero(placebos_, rank());
+  const Eigen::VectorXf scaled = (freed / size).cast<float>();
+  const VectorXd all = size * (placebo_.transpose() * scaled).cast<double>();
   return Eigen::Map<const MatrixXd>(all.data(), rank(), placebos_).transpose();
 }
 

@@ -80,9 +80,11 @@ class Instruments {
   int moves_ = 0;
   double parts_ = 1.0;
   int placebos_ = 0;
-  Eigen::MatrixXd free_;     // rows × f, orthonormal
-  Eigen::MatrixXd basis_;    // rows × r
-  Eigen::MatrixXd placebo_;  // rows × (r · placebos)
+  Eigen::MatrixXd free_;   // rows × f, orthonormal
+  Eigen::MatrixXd basis_;  // rows × r
+  // rows × (r · placebos). Of chance seven digits suffice, and every look at a
+  // residual reads all of it.
+  Eigen::MatrixXf placebo_;
 };
 
 }  // namespace mle
