@@ -72,7 +72,9 @@ absl::StatusOr<std::vector<MatrixXd>> UsualResiduals(
       int end = begin;
       while (end < record.samples() && known(end)) ++end;
       if (end - begin > response.forgetting) {
-        const Record run = PartOf(record, begin, end - begin);
+        Record run = PartOf(record, begin, end - begin);
+        // What is not known there moves no output.
+        run.inputs = run.inputs.array().isFinite().select(run.inputs, 0.0);
         MLE_ASSIGN_OR_RETURN(MatrixXd simulated, response.response(run));
         MatrixXd left = run.outputs - simulated;
         left.leftCols(response.forgetting).setConstant(kNaN);
