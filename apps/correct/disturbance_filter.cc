@@ -56,9 +56,14 @@ std::string Change(double ratio) {
                       FormatSignificant(std::abs(percent), 2), " %");
 }
 
+// Of more outputs a sentence has the range alone; the table names them.
+constexpr std::size_t kMostNamed = 6;
+
 // Outputs whose bias filter is to be taken, with its time constant.
-std::vector<std::string> TimeConstants(const Result& result) {
+std::string TimeConstants(const Result& result) {
   std::vector<std::string> texts;
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0.0;
   for (std::size_t i = 0; i < result.filters.size(); ++i) {
     const OutputFilter& filter = result.filters[i];
     if (!IsBiasBetter(result, i)) continue;
@@ -66,11 +71,24 @@ std::vector<std::string> TimeConstants(const Result& result) {
                                  filter.bias_gain < 1.0
                                      ? TimeOf(result, filter.bias_time_constant)
                                      : "none (the plain bias update)"));
+    least = std::min(least, filter.bias_time_constant);
+    most = std::max(most, filter.bias_time_constant);
   }
-  return texts;
+  if (texts.size() <= kMostNamed) return absl::StrJoin(texts, ", ");
+  return absl::StrCat(FormatSignificant(least, 3), " to ", TimeOf(result, most),
+                      " (table)");
 }
 
-// "of top impurity and side impurity by 5.4 to 7.1 %": how much less the
+std::string NamedOutputs(const Result& result,
+                         const std::vector<std::string>& names) {
+  if (names.size() <= kMostNamed) return absl::StrJoin(names, ", ");
+  return names.size() == result.filters.size()
+             ? "all outputs"
+             : absl::StrCat(names.size(), " of ", result.filters.size(),
+                            " outputs");
+}
+
+// "of top impurity, side impurity err by 5.4 to 7.1 %": how much less the
 // predictions with the better Kalman gains err.
 std::string LessWithKalman(const Result& result) {
   std::vector<std::string> names;
@@ -87,7 +105,7 @@ std::string LessWithKalman(const Result& result) {
   if (names.empty()) return "";
   const std::string from = FormatSignificant(100.0 * least, 2);
   const std::string to = FormatSignificant(100.0 * most, 2);
-  return absl::StrCat("of ", absl::StrJoin(names, ", "), " by ", from,
+  return absl::StrCat("of ", NamedOutputs(result, names), " err by ", from,
                       from == to ? "" : absl::StrCat(" to ", to), " %");
 }
 
@@ -190,14 +208,14 @@ absl::StatusOr<FilterOperation> CompareFilters(const Result& result) {
 }
 
 std::string FilterAdvice(const Result& result) {
-  const std::vector<std::string> constants = TimeConstants(result);
+  const std::string constants = TimeConstants(result);
   const std::string less = LessWithKalman(result);
   std::vector<std::string> sentences;
   if (!less.empty()) {
     sentences.push_back(absl::StrCat(
         "Give a controller with a state-space model the disturbance model and "
-        "K of state_space.json: on data held out its predictions err less, ",
-        less, ", than with ", InUse(result), "."));
+        "K of state_space.json: on data held out predictions ",
+        less, " less than with ", InUse(result), "."));
   }
   if (!constants.empty()) {
     sentences.push_back(absl::StrCat(
@@ -206,7 +224,7 @@ std::string FilterAdvice(const Result& result) {
             : "Bias filters predict best with these time constants, but "
               "whether the loop gains depends on the tuning "
               "(--control_period and others): ",
-        absl::StrJoin(constants, ", "), "."));
+        constants, "."));
   }
   return absl::StrJoin(sentences, " ");
 }

@@ -212,12 +212,23 @@ void AddForTheController(const Result& result, HtmlPage& page) {
   page.CloseFold();
 }
 
-// "−12 %"; what nobody would notice is "unchanged".
-std::string ErrorChange(double percent) {
+// "y1 −12 %, y2 +3.0 %, the others unchanged", which is what nobody would
+// notice.
+std::string ErrorChanges(const Result& result) {
   constexpr double kNoticed = 0.1;
-  if (std::abs(percent) < kNoticed) return "unchanged";
-  return absl::StrCat(percent < 0.0 ? "−" : "+",
-                      report::FormatSignificant(std::abs(percent), 2), " %");
+  std::vector<std::string> changes;
+  for (const LoopStep& step : result.loops->steps) {
+    const double percent = 100.0 * (step.error_ratio - 1.0);
+    if (std::abs(percent) < kNoticed) continue;
+    changes.push_back(absl::StrCat(
+        result.initial.outputs()[step.output].name, percent < 0.0 ? " −" : " +",
+        report::FormatSignificant(std::abs(percent), 2), " %"));
+  }
+  if (changes.empty()) return "unchanged";
+  if (changes.size() < result.loops->steps.size()) {
+    changes.emplace_back("the others unchanged");
+  }
+  return absl::StrJoin(changes, ", ");
 }
 
 // How predictions move with the correction, and how to tell the tuning.
@@ -259,17 +270,11 @@ void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
   }
   page.AddHeading("What it means for control");
   if (result.loops.ok()) {
-    std::vector<std::string> changes;
-    for (const LoopStep& step : result.loops->steps) {
-      changes.push_back(
-          absl::StrCat(result.initial.outputs()[step.output].name, " ",
-                       ErrorChange(100.0 * (step.error_ratio - 1.0))));
-    }
     page.AddParagraph(absl::StrCat(
         "Squared control error of a set-point step with the corrected model "
         "instead of the controller's model, on a plant that is as the "
         "corrected model says: ",
-        absl::StrJoin(changes, ", "), "."));
+        ErrorChanges(result), "."));
   } else {
     page.AddParagraph(absl::StrCat(
         "Set points followed before and after cannot be compared: ",
@@ -307,10 +312,11 @@ void AddFilter(const Result& result, HtmlPage& page) {
   } else {
     page.AddHeading("The filter of disturbances");
     page.AddParagraph(advice);
+    page.OpenFold("The filter of each output");
   }
   page.AddTable(FilterTable(result));
   page.AddParagraph(FilterNote(result));
-  if (advice.empty()) page.CloseFold();
+  page.CloseFold();
 }
 
 void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
