@@ -55,7 +55,7 @@ TEST(MleCorrectFilter, OfACorrectedModelAndOfOneThatIsRight) {
   nlohmann::json result = aged.Run();
   EXPECT_EQ(result["decision"], "corrected");
   ExpectFilters(result, aged.out);
-  const HeaterExample right(Heater(), kDrift);
+  const HeaterExample right(Heater(), {"--drift_variance=1e-6", "--seed=4"});
   result = right.Run();
   EXPECT_EQ(result["decision"], "no_change");
   ExpectFilters(result, right.out);

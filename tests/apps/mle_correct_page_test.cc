@@ -172,7 +172,7 @@ TEST_F(MleCorrectPage, WithoutTheTuningPredictionsAreCompared) {
   EXPECT_THAT(html, HasSubstr("the correction moves predictions up to "));
   EXPECT_THAT(html, HasSubstr("y2 unchanged."));
   EXPECT_THAT(html, HasSubstr("--control_period"));
-  EXPECT_EQ(html.find("What it means for control"), std::string::npos);
+  EXPECT_EQ(html.find("What it means for control</h2>"), std::string::npos);
   EXPECT_EQ(html.find("Tuning of the controller"), std::string::npos);
   EXPECT_TRUE(result["tuning"].empty());
   EXPECT_FALSE(result_["tuning"].empty());

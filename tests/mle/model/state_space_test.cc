@@ -318,7 +318,8 @@ TEST(StateSpaceJsonTest, FaultsOfADisturbanceModelNameTheKey) {
   EXPECT_THAT(message("[[0.3], [0.1]]", "[[0], [0.1]]"),
               AllOf(HasSubstr("disturbance_model: A − K C"),
                     HasSubstr("an eigenvalue of magnitude 1")));
-  EXPECT_THAT(message(R"("R": [2])", R"("r": [2])"), HasSubstr("\"R\""));
+  EXPECT_THAT(message(R"("R": [2])", R"("r": [2])"),
+              HasSubstr("disturbance_model: unknown key \"r\""));
   EXPECT_THAT(message(R"("K": [[0.3], [0.1]],)", ""),
               AllOf(HasSubstr("disturbance_model"), HasSubstr("\"K\"")));
 }
