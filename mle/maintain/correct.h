@@ -125,8 +125,8 @@ struct CorrectionResult {
   // The corrected model by transfer functions: `corrected.process`, or elements
   // of low order nearest to an ARX model.
   ProcessModel model;
-  // Of `corrected`, with the disturbances of the outputs where the filter of one
-  // is better than that in use; CorrectOptions::make_arx.
+  // Of `corrected`, with the disturbances of the outputs where the filter of
+  // one is better than that in use; CorrectOptions::make_arx.
   StateSpaceForm state_space;
   // p: the disturbance of each output beside `model`, and its filter. Empty
   // without CorrectOptions::examine and filter.estimate, and where the data
