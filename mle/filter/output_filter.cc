@@ -47,8 +47,8 @@ constexpr double kPrice = 2.0;
 // Time constant of what does not return within the records, in samples of all.
 constexpr double kIntegrates = 10.0;
 constexpr double kLagStep = 2.0;
-constexpr double kLongestLag = 0.1;  // of the samples of all
-constexpr double kLogRatioRange = 6.0;
+constexpr double kLongestLag = 0.1;      // of the samples of all
+constexpr double kLogRatioRange = 13.0;  // of ρ about 1
 constexpr int kSearchBits = 10;
 
 // The time constant of the lag, in samples, of a noise that does not return.
@@ -63,15 +63,15 @@ Profile BestWalkBehindLag(const ShapeLikelihood& likelihood) {
   const double samples = likelihood.problem().num_samples();
   const double slow = kIntegrates * samples;
   Profile best;
-  const auto search = [&](double lag, double log_walk) {
+  const auto search = [&](double lag) {
     const double natural = std::sqrt(lag * slow);
     NoiseShape shape{.colour_pole = PoleOf(natural),
                      .colour_damping = 0.5 * (lag + slow) / natural};
     // Shocks of a walk reach 1/(1 − exp(−1/lag)) of their size behind it.
     const double lost = -2.0 * std::log(-std::expm1(-1.0 / lag));
     Profile of_lag;
-    SearchLeast(log_walk - kLogRatioRange, log_walk + kLogRatioRange,
-                kSearchBits, [&](double log_ratio) {
+    SearchLeast(-kLogRatioRange, kLogRatioRange, kSearchBits,
+                [&](double log_ratio) {
                   shape.colour_ratio = std::exp(log_ratio - lost);
                   const Profile profile = likelihood.At(shape);
                   if (profile.value < of_lag.value) of_lag = profile;
@@ -82,16 +82,15 @@ Profile BestWalkBehindLag(const ShapeLikelihood& likelihood) {
   };
   double best_lag = 1.0;
   double least = best.value;
-  const double walk = -kLogRatioRange;  // ln ρ from −12 to 0
   for (double lag = 1.0; lag <= kLongestLag * samples; lag *= kLagStep) {
-    const double value = search(lag, walk);
+    const double value = search(lag);
     if (value >= least) continue;
     least = value;
     best_lag = lag;
   }
   SearchLeast(std::log(best_lag / kLagStep), std::log(best_lag * kLagStep),
               kSearchBits,
-              [&](double log_lag) { return search(std::exp(log_lag), walk); });
+              [&](double log_lag) { return search(std::exp(log_lag)); });
   return best;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
@@ -24,6 +25,18 @@ std::vector<int> InputsOf(const ProcessModel& model) {
   return inputs;
 }
 
+// Whether `part` is cut from `record` there: several records may have the same
+// times.
+bool IsPart(const Record& part, const Record& record, double first) {
+  if (!(first >= 0.0) || !(first + part.samples() <= record.samples()) ||
+      part.inputs.size() == 0) {
+    return false;
+  }
+  const auto begin = static_cast<Eigen::Index>(first);
+  return std::memcmp(part.inputs.data(), record.inputs.col(begin).data(),
+                     part.inputs.size() * sizeof(double)) == 0;
+}
+
 // Samples of each record that are in a window or in `rest`.
 std::vector<std::vector<bool>> UsualSamples(const RecordData& data,
                                             const std::vector<Record>& rest) {
@@ -44,10 +57,9 @@ std::vector<std::vector<bool>> UsualSamples(const RecordData& data,
   for (const Record& part : rest) {
     for (std::size_t r = 0; r < usual.size(); ++r) {
       const Record& record = data.records[r];
-      take(r,
-           std::round((part.start_time - record.start_time) /
-                      record.sample_time),
-           part.samples());
+      const double first = std::round((part.start_time - record.start_time) /
+                                      record.sample_time);
+      if (IsPart(part, record, first)) take(r, first, part.samples());
     }
   }
   return usual;
