@@ -14,7 +14,6 @@
 #include "control/expected_operation.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
-#include "mle/nonlinear/colour.h"
 
 namespace mle::correct {
 namespace {
@@ -124,20 +123,7 @@ control::OutputConditions ConditionsOf(const OutputFilter& filter) {
   met.noise_variance = noise.variance;
   met.walk_variance = filter.samples_of_period * noise.increment_variance();
   met.walk_lag = filter.walk_lag / filter.samples_of_period;
-  if (!(noise.colour_ratio > 0.0)) return met;
-  constexpr int kMostLags = 1000;
-  constexpr double kNoCorrelation = 1e-4;
-  const Colour colour(noise.colour_pole, noise.colour_damping);
-  const Colour::Covariance now = colour.Stationary();
-  for (int h = 0; h < kMostLags; ++h) {
-    const Colour::Power later = colour.After(h * filter.samples_of_period);
-    met.covariances.push_back(noise.colour_ratio * noise.variance *
-                              (later.own * now.aa + later.cross * now.ab));
-    if (std::abs(met.covariances.back()) <
-        kNoCorrelation * met.covariances.front()) {
-      break;
-    }
-  }
+  met.covariances = Autocovariances(noise, filter.samples_of_period);
   return met;
 }
 
@@ -274,20 +260,30 @@ report::Table FilterTable(const Result& result) {
 
 std::string FilterNote(const Result& result) {
   const OutputFilter& first = result.filters.front();
-  const bool told = result.filter_operation.ok();
-  return absl::StrCat(
+  std::string text = absl::StrCat(
       "Gains are those of a control period of ",
       TimeOf(result, PeriodOf(result, first)),
       "; errors are root mean squares of predictions up to ",
       TimeOf(result, HorizonOf(result, first)),
       " ahead, on the half of the records that the filter was not estimated "
-      "from. A filter is better where its errors are less by more than chance",
-      told ? "; a bias filter, where the variance in operation falls, too. The "
-             "variance is computed for the controller as it is tuned, against "
-             "its filter as it is."
-           : ". The controller's own filter was not given (--control_period, "
-             "--prediction_horizon, --disturbance_variance_ratio): compared "
-             "is the plain bias update at every sample.");
+      "from. A filter is better where its errors are less by more than chance");
+  if (!result.request.controller_known()) {
+    return absl::StrCat(
+        text,
+        ". The controller's own filter was not given (--control_period, "
+        "--prediction_horizon, --disturbance_variance_ratio): compared is the "
+        "plain bias update at every sample.");
+  }
+  absl::StrAppend(&text,
+                  "; a bias filter, where the variance in operation falls, "
+                  "too. ");
+  if (!result.filter_operation.ok()) {
+    return absl::StrCat(text, "That variance is not known: ",
+                        result.filter_operation.status().message(), ".");
+  }
+  return absl::StrCat(text,
+                      "It is computed for the controller as it is tuned, "
+                      "against its filter as it is.");
 }
 
 nlohmann::ordered_json FilterJson(const Result& result) {

@@ -209,6 +209,13 @@ inline constexpr std::array<std::string_view, 9> kFigureNames = {
 
 // report.html.
 
+// Its sections on what the result means for the controller: predictions, loops
+// and tuning; the filter of disturbances.
+void AddControl(const Result& result,
+                const std::vector<report::DrawnFigure>& figures,
+                report::HtmlPage& page);
+void AddFilter(const Result& result, report::HtmlPage& page);
+
 // With the figures of MakeFigures, drawn, or without any.
 std::string FormatPage(const Result& result,
                        const std::vector<report::DrawnFigure>& figures,

@@ -13,7 +13,7 @@
 #include "control/prediction_model.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/filter/disturbance_system.h"
 #include "sim/ageing.h"
 
 namespace mle::watch {
@@ -29,8 +29,6 @@ constexpr double kMostFactor = 2.5;
 // changes that it is expected to leave differs from that of the reference by
 // more than this factor.
 constexpr double kOtherTuning = 2.0;
-constexpr int kMostLags = 1000;
-constexpr double kNoCorrelation = 1e-4;
 constexpr double kRoundingOfPeriods = 1e-6;
 
 // The change of an output that is known to have changed.
@@ -68,19 +66,7 @@ std::vector<control::OutputConditions> ConditionsOf(
     met.changes = operation.changes * days_of_unit;
     met.change_size = operation.change_size;
     met.allowed_error = allowed_error(static_cast<Eigen::Index>(i));
-    if (!(noise.colour_ratio > 0.0)) continue;
-    const Colour colour(noise.colour_pole, noise.colour_damping);
-    const Colour::Covariance now = colour.Stationary();
-    const double shocks = noise.colour_ratio * noise.variance;
-    for (int h = 0; h < kMostLags; ++h) {
-      const Colour::Power later = colour.After(h * samples_of_period);
-      const double covariance =
-          shocks * (later.own * now.aa + later.cross * now.ab);
-      met.covariances.push_back(covariance);
-      if (std::abs(covariance) < kNoCorrelation * met.covariances.front()) {
-        break;
-      }
-    }
+    met.covariances = Autocovariances(noise, samples_of_period);
   }
   return conditions;
 }

@@ -11,7 +11,6 @@ namespace mle {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 
 const double kLeastLogGain = std::log(1e-6);
 constexpr int kGridPoints = 28;  // two an e-fold
@@ -26,20 +25,20 @@ double BiasFilterError(const DisturbanceSystem& system, double gain,
   const Index n = system.order();
   const double r = system.noise_variance;
   const LevelAndRest parts = Separate(system);
-  const Eigen::RowVectorXd C = system.C.tail(n - 1);
+  const StateRow C = system.C.tail(n - 1);
   // (δ, y)_l = M (δ, y)_{l−1} + W (ξ, η) + (g v, 0).
-  MatrixXd M = MatrixXd::Zero(n, n);
+  StateMatrix M = StateMatrix::Zero(n, n);
   M(0, 0) = 1.0 - gain;
   M.row(0).tail(n - 1) = gain * C * parts.B;
   M.bottomRightCorner(n - 1, n - 1) = parts.B;
-  MatrixXd W = MatrixXd::Identity(n, n);
+  StateMatrix W = StateMatrix::Identity(n, n);
   W(0, 0) = gain - 1.0;
   W.row(0).tail(n - 1) = gain * C;
-  MatrixXd shocks = W * parts.N * W.transpose();
+  StateMatrix shocks = W * parts.N * W.transpose();
   shocks(0, 0) += gain * gain * r;
-  const MatrixXd stationary = StationaryCovariance(M, shocks);
-  Eigen::RowVectorXd row(n);
-  Eigen::RowVectorXd ahead = C;  // C B^h
+  const StateMatrix stationary = StationaryCovariance(M, shocks);
+  StateRow row(n);
+  StateRow ahead = C;  // C B^h
   double of_shocks = 0.0;
   double sum = 0.0;
   for (int h = 1; h <= horizon; ++h) {

@@ -9,9 +9,6 @@
 namespace mle {
 namespace {
 
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // Each squares what is left: 2^60 samples.
 constexpr int kMostDoublings = 60;
 constexpr double kSmallStep = 1e-15;
@@ -21,9 +18,9 @@ DisturbanceSystem EverySample(const NoiseEstimate& noise) {
   const Colour colour(coloured ? noise.colour_pole : 0.0,
                       coloured ? noise.colour_damping : 0.0);
   const Eigen::Index n = coloured ? 1 + colour.order() : 1;
-  DisturbanceSystem system{.A = MatrixXd::Zero(n, n),
-                           .C = Eigen::RowVectorXd::Zero(n),
-                           .Q = MatrixXd::Zero(n, n),
+  DisturbanceSystem system{.A = StateMatrix::Zero(n, n),
+                           .C = StateRow::Zero(n),
+                           .Q = StateMatrix::Zero(n, n),
                            .noise_variance = noise.variance};
   system.A(0, 0) = 1.0;
   system.C(0) = 1.0;
@@ -41,8 +38,24 @@ DisturbanceSystem EverySample(const NoiseEstimate& noise) {
   return system;
 }
 
-DisturbanceSystem EverySeveral(const DisturbanceSystem& one, int samples) {
+DisturbanceSystem WalkBehindLag(const NoiseEstimate& noise, double lag) {
+  DisturbanceSystem system{.A = StateMatrix::Identity(2, 2),
+                           .C = Eigen::RowVector2d(0.0, 1.0),
+                           .Q = StateMatrix::Zero(2, 2),
+                           .noise_variance = noise.variance};
+  system.A(1, 0) = -std::expm1(-1.0 / lag);
+  system.A(1, 1) = std::exp(-1.0 / lag);
+  system.Q(0, 0) = noise.increment_variance();
+  return system;
+}
+
+}  // namespace
+
+DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples,
+                           double walk_lag) {
   CHECK_GE(samples, 1);
+  const DisturbanceSystem one =
+      walk_lag > 0.0 ? WalkBehindLag(noise, walk_lag) : EverySample(noise);
   DisturbanceSystem system = one;
   for (int i = 1; i < samples; ++i) {
     system.Q = (one.A * system.Q * one.A.transpose() + one.Q).eval();
@@ -51,31 +64,29 @@ DisturbanceSystem EverySeveral(const DisturbanceSystem& one, int samples) {
   return system;
 }
 
-}  // namespace
-
-DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples) {
-  return EverySeveral(EverySample(noise), samples);
+std::vector<double> Autocovariances(const NoiseEstimate& noise, int samples) {
+  constexpr int kMostLags = 1000;
+  constexpr double kNoCorrelation = 1e-4;
+  std::vector<double> covariances;
+  if (!(noise.colour_ratio > 0.0)) return covariances;
+  const Colour colour(noise.colour_pole, noise.colour_damping);
+  const Colour::Covariance now = colour.Stationary();
+  const double shocks = noise.colour_ratio * noise.variance;
+  for (int h = 0; h < kMostLags; ++h) {
+    const Colour::Power later = colour.After(h * samples);
+    covariances.push_back(shocks * (later.own * now.aa + later.cross * now.ab));
+    if (std::abs(covariances.back()) < kNoCorrelation * covariances.front()) {
+      break;
+    }
+  }
+  return covariances;
 }
 
-DisturbanceSystem WalkBehindLag(const NoiseEstimate& noise, double lag,
-                                int samples) {
-  CHECK_GT(lag, 0.0);
-  const double pole = std::exp(-1.0 / lag);
-  DisturbanceSystem system{.A = MatrixXd::Identity(2, 2),
-                           .C = Eigen::RowVector2d(0.0, 1.0),
-                           .Q = MatrixXd::Zero(2, 2),
-                           .noise_variance = noise.variance};
-  system.A(1, 0) = -std::expm1(-1.0 / lag);
-  system.A(1, 1) = pole;
-  system.Q(0, 0) = noise.increment_variance();
-  return EverySeveral(system, samples);
-}
-
-MatrixXd StationaryCovariance(const MatrixXd& A, const MatrixXd& Q) {
-  MatrixXd sum = Q;
-  MatrixXd power = A;
+StateMatrix StationaryCovariance(const StateMatrix& A, const StateMatrix& Q) {
+  StateMatrix sum = Q;
+  StateMatrix power = A;
   for (int i = 0; i < kMostDoublings; ++i) {
-    const MatrixXd more = power * sum * power.transpose();
+    const StateMatrix more = power * sum * power.transpose();
     sum += more;
     if (more.norm() <= kSmallStep * sum.norm()) break;
     power = (power * power).eval();
@@ -86,16 +97,16 @@ MatrixXd StationaryCovariance(const MatrixXd& A, const MatrixXd& Q) {
 LevelAndRest Separate(const DisturbanceSystem& system) {
   const Eigen::Index n = system.order();
   const Eigen::Index rest = n - 1;
-  LevelAndRest parts{.level = VectorXd::Zero(n),
+  LevelAndRest parts{.level = StateVector::Zero(n),
                      .B = system.A.bottomRightCorner(rest, rest)};
   parts.level(0) = 1.0;
   if (rest > 0) {
-    parts.level.tail(rest) = (MatrixXd::Identity(rest, rest) - parts.B)
+    parts.level.tail(rest) = (StateMatrix::Identity(rest, rest) - parts.B)
                                  .partialPivLu()
                                  .solve(system.A.col(0).tail(rest));
   }
   // (ξ, η) = T ω.
-  MatrixXd T = MatrixXd::Identity(n, n);
+  StateMatrix T = StateMatrix::Identity(n, n);
   T.col(0).tail(rest) = -parts.level.tail(rest);
   parts.N = T * system.Q * T.transpose();
   return parts;
@@ -107,25 +118,26 @@ StationaryFilter SolveStationaryFilter(const DisturbanceSystem& system) {
   const Eigen::Index n = system.order();
   // In units of r.
   const double r = system.noise_variance;
-  MatrixXd A = system.A.transpose();
-  MatrixXd G = system.C.transpose() * system.C;
-  MatrixXd P = system.Q / r;
+  StateMatrix A = system.A.transpose();
+  StateMatrix G = system.C.transpose() * system.C;
+  StateMatrix P = system.Q / r;
   for (int i = 0; i < kMostDoublings; ++i) {
-    const Eigen::PartialPivLU<MatrixXd> W(MatrixXd::Identity(n, n) + G * P);
-    const MatrixXd WA = W.solve(A);
-    const MatrixXd step = A.transpose() * P * WA;
+    const Eigen::PartialPivLU<StateMatrix> W(StateMatrix::Identity(n, n) +
+                                             G * P);
+    const StateMatrix WA = W.solve(A);
+    const StateMatrix step = A.transpose() * P * WA;
     G += (A * W.solve(G) * A.transpose()).eval();
     A = (A * WA).eval();
     P += 0.5 * (step + step.transpose());
     if (step.norm() <= kSmallStep * P.norm()) break;
   }
   StationaryFilter filter;
-  const VectorXd PC = P * system.C.transpose();
+  const StateVector PC = P * system.C.transpose();
   const double F = system.C.dot(PC) + 1.0;
   filter.gain = system.A * PC / F;
-  const MatrixXd left = system.A * P * system.A.transpose() -
-                        filter.gain * filter.gain.transpose() * F +
-                        system.Q / r - P;
+  const StateMatrix left = system.A * P * system.A.transpose() -
+                           filter.gain * filter.gain.transpose() * F +
+                           system.Q / r - P;
   filter.residual = left.cwiseAbs().maxCoeff() / P.cwiseAbs().maxCoeff();
   filter.covariance = r * P;
   filter.innovation_variance = r * F;

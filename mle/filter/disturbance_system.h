@@ -24,46 +24,56 @@
 #ifndef MLE_FILTER_DISTURBANCE_SYSTEM_H_
 #define MLE_FILTER_DISTURBANCE_SYSTEM_H_
 
+#include <vector>
+
 #include "Eigen/Core"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
+// Of up to three states, which take no memory from the heap.
+using StateMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
+using StateRow =
+    Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3>;
+
 struct DisturbanceSystem {
-  // n × n, n from 1 to 3. The first state is the walk, A(0, :) = (1, 0, …).
-  Eigen::MatrixXd A;
-  Eigen::RowVectorXd C;         // n
-  Eigen::MatrixXd Q;            // n × n
+  // n × n. The first state is the walk, A(0, :) = (1, 0, …).
+  StateMatrix A;
+  StateRow C;                   // n
+  StateMatrix Q;                // n × n
   double noise_variance = 0.0;  // r
 
   Eigen::Index order() const { return A.rows(); }
 };
 
-// Every `samples`-th sample, ≥ 1. Sinusoids and steps of the estimate are left
-// out.
-DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples);
-// A walk with the increments of `noise` behind a lag of this time constant, in
-// samples > 0; its coloured component is left out.
-DisturbanceSystem WalkBehindLag(const NoiseEstimate& noise, double lag,
-                                int samples);
+// Every `samples`-th sample, ≥ 1. With `walk_lag` > 0, in samples, the walk
+// acts behind a lag of this time constant, and there is no coloured component.
+// Sinusoids and steps of the estimate are left out.
+DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples,
+                           double walk_lag = 0.0);
+
+// γ_0, γ_1, … of the coloured component, every `samples`-th sample, until they
+// are below 1e-4 of the first, 1000 at most; empty without one.
+std::vector<double> Autocovariances(const NoiseEstimate& noise, int samples);
 
 // Σ = A Σ Aᵀ + Q of a component that decays.
-Eigen::MatrixXd StationaryCovariance(const Eigen::MatrixXd& A,
-                                     const Eigen::MatrixXd& Q);
+StateMatrix StationaryCovariance(const StateMatrix& A, const StateMatrix& Q);
 
 // The states as the walk makes them, and what decays: d = l w + (0, y),
 //   y_{k+1} = B y_k + η_k,   Cov (ξ, η) = N,   C l = 1,
 // where ξ are the increments of the walk.
 struct LevelAndRest {
-  Eigen::VectorXd level;  // l, n
-  Eigen::MatrixXd B;      // (n − 1) × (n − 1)
-  Eigen::MatrixXd N;      // n × n
+  StateVector level;  // l, n
+  StateMatrix B;      // (n − 1) × (n − 1)
+  StateMatrix N;      // n × n
 };
 LevelAndRest Separate(const DisturbanceSystem& system);
 
 struct StationaryFilter {
-  Eigen::VectorXd gain;              // K, n
-  Eigen::MatrixXd covariance;        // P, n × n, of d̂ before its sample
+  StateVector gain;                  // K, n
+  StateMatrix covariance;            // P, n × n, of d̂ before its sample
   double innovation_variance = 0.0;  // F
   // The certificate: what the equation of P leaves, relative to the largest
   // entry of P.

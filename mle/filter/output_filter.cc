@@ -6,18 +6,12 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
-#include "mle/base/double_limits.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
-#include "mle/data/record.h"
 #include "mle/filter/bias_filter.h"
+#include "mle/filter/prediction_noise.h"
 #include "mle/filter/residual_prediction.h"
-#include "mle/nonlinear/brent_search.h"
-#include "mle/nonlinear/colour_search.h"
 #include "mle/nonlinear/distributions.h"
-#include "mle/nonlinear/noise_search.h"
-#include "mle/nonlinear/output_error_problem.h"
-#include "mle/nonlinear/output_fit.h"
 
 namespace mle {
 namespace {
@@ -27,9 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kLongestHorizon = 1000;  // in control periods
-// A noise has four parameters and an offset.
-constexpr int kLeastSamples = 50;
-constexpr int kLeastRun = 20;
 // A filter is better where smaller errors are as likely by chance as this.
 constexpr double kByChance = 0.05;
 
@@ -39,165 +30,6 @@ int CountMeasured(const std::vector<VectorXd>& residuals) {
     count += residual.array().isFinite().count();
   }
   return static_cast<int>(count);
-}
-
-// Akaike's price of a parameter: the class is the one that predicts best, where
-// an explanation would ask for more (noise_search.h).
-constexpr double kPrice = 2.0;
-// Time constant of what does not return within the records, in samples of all.
-constexpr double kIntegrates = 10.0;
-constexpr double kLagStep = 2.0;
-constexpr double kLongestLag = 0.1;      // of the samples of all
-constexpr double kLogRatioRange = 13.0;  // of ρ about 1
-constexpr int kSearchBits = 10;
-
-// The time constant of the lag, in samples, of a noise that does not return.
-double LagOf(const NoiseShape& shape) {
-  const double damping = shape.colour_damping;
-  return MemoryOf(shape.colour_pole) *
-         (damping - std::sqrt(damping * damping - 1.0));
-}
-
-// The likeliest walk behind a lag, as coloured noise that all but integrates.
-Profile BestWalkBehindLag(const ShapeLikelihood& likelihood) {
-  const double samples = likelihood.problem().num_samples();
-  const double slow = kIntegrates * samples;
-  Profile best;
-  const auto search = [&](double lag) {
-    const double natural = std::sqrt(lag * slow);
-    NoiseShape shape{.colour_pole = PoleOf(natural),
-                     .colour_damping = 0.5 * (lag + slow) / natural};
-    // Shocks of a walk reach 1/(1 − exp(−1/lag)) of their size behind it.
-    const double lost = -2.0 * std::log(-std::expm1(-1.0 / lag));
-    Profile of_lag;
-    SearchLeast(-kLogRatioRange, kLogRatioRange, kSearchBits,
-                [&](double log_ratio) {
-                  shape.colour_ratio = std::exp(log_ratio - lost);
-                  const Profile profile = likelihood.At(shape);
-                  if (profile.value < of_lag.value) of_lag = profile;
-                  return profile.value;
-                });
-    if (of_lag.value < best.value) best = of_lag;
-    return of_lag.value;
-  };
-  double best_lag = 1.0;
-  double least = best.value;
-  for (double lag = 1.0; lag <= kLongestLag * samples; lag *= kLagStep) {
-    const double value = search(lag);
-    if (value >= least) continue;
-    least = value;
-    best_lag = lag;
-  }
-  SearchLeast(std::log(best_lag / kLagStep), std::log(best_lag * kLagStep),
-              kSearchBits,
-              [&](double log_lag) { return search(std::exp(log_lag)); });
-  return best;
-}
-
-struct FoundShape {
-  Profile profile;
-  bool walk_behind_lag = false;
-};
-
-FoundShape LikeliestForPrediction(const ShapeLikelihood& likelihood) {
-  const Profile walk = FindBestShape(likelihood, NoiseShape(),
-                                     /*estimate_drift=*/true,
-                                     /*search_colour=*/false);
-  FoundShape best{.profile = walk};
-  double least = walk.value;
-  const auto compare = [&](const FoundShape& found, double price) {
-    if (!(found.profile.value + price < least)) return;
-    least = found.profile.value + price;
-    best = found;
-  };
-  compare({BestWalkBehindLag(likelihood), true}, kPrice);
-  for (const int order : {1, 2}) {
-    compare({FindBestColour(likelihood, order, walk)}, kPrice * (order + 1));
-  }
-  return best;
-}
-
-// Of a filter with given gains the mean squared error is linear in the
-// variances, so that the gains best under what the records leave open are those
-// of the mean variances. Of the walk that differs from the likeliest, which
-// often is none, while a drift that is not followed costs without bound.
-NoiseShape WithMeanRatio(const ShapeLikelihood& likelihood,
-                         const NoiseShape& shape) {
-  std::vector<double> values;
-  const std::vector<PossibleRatio> ratios =
-      PossibleRatios(likelihood.problem());
-  NoiseShape at = shape;
-  for (const PossibleRatio& possible : ratios) {
-    at.ratio = possible.ratio;
-    values.push_back(likelihood.At(at).value);
-  }
-  const double least = *std::min_element(values.begin(), values.end());
-  double sum = 0.0;
-  double mean = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double weight =
-        ratios[i].prior * std::exp(-0.5 * (values[i] - least));
-    sum += weight;
-    mean += weight * ratios[i].ratio;
-  }
-  at.ratio = mean / sum;
-  return at;
-}
-
-struct OutputNoise {
-  NoiseEstimate noise;
-  double walk_lag = 0.0;
-
-  DisturbanceSystem Every(int samples) const {
-    return walk_lag > 0.0 ? WalkBehindLag(noise, walk_lag, samples)
-                          : SystemOf(noise, samples);
-  }
-};
-
-OutputNoise WalkOf(const ShapeLikelihood& likelihood,
-                   const Profile& behind_lag) {
-  const NoiseShape& shape = behind_lag.shape;
-  OutputNoise found;
-  found.walk_lag = LagOf(shape);
-  found.noise.variance = behind_lag.variance();
-  // Of the walk a shock is 1/(1 − exp(−1/lag)) as large.
-  found.noise.ratio =
-      shape.colour_ratio * std::pow(std::expm1(-1.0 / found.walk_lag), -2.0);
-  // That of ln s/r.
-  found.noise.log_deviations[0] = LogDeviations(likelihood, behind_lag)[1];
-  return found;
-}
-
-// The noise of one output; none (r = 0) of too few samples.
-OutputNoise NoiseOf(const std::vector<VectorXd>& residuals,
-                    double sample_time) {
-  std::vector<Record> records;
-  Index longest = 1;
-  for (const VectorXd& residual : residuals) {
-    records.push_back({.sample_time = sample_time,
-                       .outputs = residual.transpose(),
-                       .inputs = MatrixXd(0, residual.size())});
-    longest = std::max(longest, residual.size());
-  }
-  const OutputErrorProblem problem({}, records, /*output=*/0, /*skip=*/0,
-                                   kLeastRun);
-  if (problem.num_samples() < kLeastSamples) return {};
-  const ShapeLikelihood likelihood(problem, OutputPoint(), {}, NoiseShape(),
-                                   /*restricted=*/true);
-  const auto [best, walk_behind_lag] = LikeliestForPrediction(likelihood);
-  if (walk_behind_lag) return WalkOf(likelihood, best);
-  const Profile drifting = likelihood.At(WithMeanRatio(likelihood, best.shape));
-  OutputNoise found;
-  found.noise.variance = drifting.variance();
-  // Less drift cannot be seen in a record; with none, a constant disturbance
-  // would never be followed.
-  const auto length = static_cast<double>(longest);
-  found.noise.ratio = std::max(drifting.shape.ratio, 1.0 / (length * length));
-  found.noise.colour_ratio = best.shape.colour_ratio;
-  found.noise.colour_pole = best.shape.colour_pole;
-  found.noise.colour_damping = best.shape.colour_damping;
-  found.noise.log_deviations = LogDeviations(likelihood, drifting);
-  return found;
 }
 
 bool Varies(const std::vector<VectorXd>& residuals) {
@@ -240,7 +72,7 @@ struct HeldOutErrors {
 };
 
 // Adds those of a half that is predicted by the noise of the other.
-void AddErrors(const std::vector<VectorXd>& half, const OutputNoise& noise,
+void AddErrors(const std::vector<VectorXd>& half, const PredictionNoise& noise,
                const PredictionGrid& grid, double gain_in_use,
                HeldOutErrors& errors) {
   const DisturbanceSystem system = noise.Every(1);
@@ -288,13 +120,13 @@ void FindFilter(const std::vector<VectorXd>& residuals, double sample_time,
                 const PredictionGrid& grid, OutputFilter& filter) {
   const std::array<std::vector<VectorXd>, 2> halves = {HalfOf(residuals, 0),
                                                        HalfOf(residuals, 1)};
-  std::array<OutputNoise, 2> noises;
+  std::array<PredictionNoise, 2> noises;
   for (int half = 0; half < 2; ++half) {
-    noises[half] = NoiseOf(halves[half], sample_time);
+    noises[half] = EstimatePredictionNoise(halves[half], sample_time);
     if (!(noises[half].noise.variance > 0.0)) {
-      filter.reason =
-          absl::StrCat("half of the records has fewer than ", kLeastSamples,
-                       " measured samples that the model can be compared with");
+      filter.reason = absl::StrCat(
+          "half of the records has fewer than ", kLeastNoiseSamples,
+          " measured samples that the model can be compared with");
       return;
     }
   }
@@ -302,12 +134,11 @@ void FindFilter(const std::vector<VectorXd>& residuals, double sample_time,
     filter.reason = "nothing disturbs the output in half of the records";
     return;
   }
-  const OutputNoise noise = NoiseOf(residuals, sample_time);
+  const PredictionNoise noise = EstimatePredictionNoise(residuals, sample_time);
   filter.noise = noise.noise;
   filter.walk_lag = noise.walk_lag;
-  filter.system = noise.Every(1);
-  filter.stationary = SolveStationaryFilter(filter.system);
-  filter.bias_gain = BestBiasGain(noise.Every(grid.samples), grid.horizon);
+  filter.stationary = SolveStationaryFilter(filter.Every(1));
+  filter.bias_gain = BestBiasGain(filter.Every(grid.samples), grid.horizon);
   filter.bias_time_constant =
       filter.bias_gain < 1.0
           ? -grid.samples * sample_time / std::log1p(-filter.bias_gain)
@@ -389,7 +220,7 @@ namespace {
 
 struct RunningFilter {
   DisturbanceSystem system;
-  VectorXd gain;
+  StateVector gain;
 };
 
 // A walk and noise, g² F and (1 − g) F, under which the gain in use is best;
@@ -400,17 +231,16 @@ RunningFilter InUse(const OutputFilter& filter, int samples) {
                static_cast<double>(samples) / filter.samples_of_period);
   const double gain = 1.0 - kept;
   const double F = filter.stationary.innovation_variance;
-  return {.system = {.A = MatrixXd::Ones(1, 1),
-                     .C = Eigen::RowVectorXd::Ones(1),
-                     .Q = MatrixXd::Constant(1, 1, gain * gain * F),
+  return {.system = {.A = StateMatrix::Ones(1, 1),
+                     .C = StateRow::Ones(1),
+                     .Q = StateMatrix::Constant(1, 1, gain * gain * F),
                      .noise_variance = kept * F},
-          .gain = VectorXd::Constant(1, gain)};
+          .gain = StateVector::Constant(1, gain)};
 }
 
 RunningFilter Running(const OutputFilter& filter, int samples) {
   if (!filter.kalman.better) return InUse(filter, samples);
-  RunningFilter running = {
-      .system = OutputNoise{filter.noise, filter.walk_lag}.Every(samples)};
+  RunningFilter running = {.system = filter.Every(samples)};
   running.gain = SolveStationaryFilter(running.system).gain;
   return running;
 }

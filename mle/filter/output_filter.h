@@ -68,8 +68,7 @@ struct OutputFilter {
   NoiseEstimate noise;
   // The walk acts behind a lag of this time constant, in samples; 0: as it is.
   double walk_lag = 0.0;
-  DisturbanceSystem system;
-  StationaryFilter stationary;
+  StationaryFilter stationary;      // of every sample
   double bias_gain = 0.0;           // g, at the control period
   double bias_time_constant = 0.0;  // −Δt_c / ln(1 − g); 0 of g = 1
   FilterForm kalman;
@@ -81,6 +80,9 @@ struct OutputFilter {
   int horizon = 1;
 
   bool estimated() const { return reason.empty(); }
+  DisturbanceSystem Every(int samples) const {
+    return SystemOf(noise, samples, walk_lag);
+  }
 };
 
 // `residuals`: p × N of each record, NaN where nothing is measured or the model

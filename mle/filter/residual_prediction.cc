@@ -47,10 +47,10 @@ Index FirstMeasured(const VectorXd& residual) {
 }
 
 // Nothing is known of the walk; what decays is stationary.
-MatrixXd StartCovariance(const DisturbanceSystem& system,
-                         const LevelAndRest& parts) {
+StateMatrix StartCovariance(const DisturbanceSystem& system,
+                            const LevelAndRest& parts) {
   const Index n = system.order() - 1;
-  MatrixXd P = MatrixXd::Zero(n + 1, n + 1);
+  StateMatrix P = StateMatrix::Zero(n + 1, n + 1);
   if (n > 0) {
     P.bottomRightCorner(n, n) =
         StationaryCovariance(parts.B, parts.N.bottomRightCorner(n, n));
@@ -63,8 +63,8 @@ MatrixXd StartCovariance(const DisturbanceSystem& system,
 // whether the gain is the stationary one from here on.
 bool AdvanceCovariance(const DisturbanceSystem& system,
                        const StationaryFilter& filter, bool measured,
-                       MatrixXd& P, VectorXd& gain) {
-  const VectorXd PC = P * system.C.transpose();
+                       StateMatrix& P, StateVector& gain) {
+  const StateVector PC = P * system.C.transpose();
   const double F = system.C.dot(PC) + system.noise_variance;
   P = (system.A * P * system.A.transpose() + system.Q).eval();
   if (!measured) {
@@ -118,20 +118,21 @@ std::vector<SquaredErrors> KalmanErrors(const VectorXd& residual,
   if (start == residual.size()) return errors;
   // Rows C A^{hs−1}, which predict from the state of the sample to come.
   MatrixXd ahead(grid.horizon, system.order());
-  Eigen::RowVectorXd row = system.C;
+  StateRow row = system.C;
   for (Index h = 0, power = 0; h < grid.horizon; ++h) {
     for (; power < (h + 1) * grid.samples - 1; ++power) row *= system.A;
     ahead.row(h) = row;
   }
   const LevelAndRest parts = Separate(system);
-  VectorXd state = parts.level * residual(start);
-  MatrixXd P = StartCovariance(system, parts);
-  VectorXd gain = filter.gain;
+  StateVector state = parts.level * residual(start);
+  StateMatrix P = StartCovariance(system, parts);
+  StateVector gain = filter.gain;
   bool settled = false;
   for (Index k = start; k < last; ++k) {
     const bool measured = std::isfinite(residual(k));
-    if (!settled)
+    if (!settled) {
       settled = AdvanceCovariance(system, filter, measured, P, gain);
+    }
     const double innovation =
         measured ? residual(k) - system.C.dot(state) : 0.0;
     state = (system.A * state + innovation * gain).eval();

@@ -1,5 +1,6 @@
 // The least value of a function of one variable in an interval, by Brent's
-// method (Boost.Math). Internal to mle/nonlinear.
+// method (Boost.Math). Internal to mle/nonlinear
+// and mle/filter.
 
 #ifndef MLE_NONLINEAR_BRENT_SEARCH_H_
 #define MLE_NONLINEAR_BRENT_SEARCH_H_

@@ -1,5 +1,6 @@
 // The likeliest colour (colour.h) of one order, beside white noise and a random
-// walk. Internal to mle/nonlinear.
+// walk. Internal to mle/nonlinear
+// and mle/filter.
 //
 // From the best of a coarse grid, or from a colour that is known, Nelder and
 // Mead's simplex (Computer Journal 7, 1965) moves ln ρ, ln σ, ln 1/ω and, of

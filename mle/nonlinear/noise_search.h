@@ -20,7 +20,6 @@
 #ifndef MLE_NONLINEAR_NOISE_SEARCH_H_
 #define MLE_NONLINEAR_NOISE_SEARCH_H_
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -127,10 +126,10 @@ inline constexpr int kShapeParameters = 4;
 bool HasParameter(const NoiseShape& shape, int parameter);
 NoiseShape Moved(const NoiseShape& shape, int parameter, double by);
 
-// Standard deviations of the logarithms that `best` has, by the curvature of
-// the likelihood at its maximum; 0 of those that it has not.
-std::array<double, kShapeParameters> LogDeviations(
-    const ShapeLikelihood& likelihood, const Profile& best);
+// The noise of a profile, with the standard deviations of its logarithms by the
+// curvature of the likelihood there.
+NoiseEstimate NoiseOf(const ShapeLikelihood& likelihood,
+                      const Profile& profile);
 
 // With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
 // colours: from those of `start` if it has them, and, if `search_colour`, of a

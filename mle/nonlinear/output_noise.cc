@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -15,8 +16,6 @@ using Eigen::MatrixXd;
 
 constexpr double kCurvatureStep = 0.3;
 constexpr double kMaxLogDeviation = 3.0;
-
-}  // namespace
 
 std::array<double, kShapeParameters> LogDeviations(
     const ShapeLikelihood& likelihood, const Profile& best) {
@@ -36,6 +35,21 @@ std::array<double, kShapeParameters> LogDeviations(
   return deviations;
 }
 
+}  // namespace
+
+NoiseEstimate NoiseOf(const ShapeLikelihood& likelihood,
+                      const Profile& profile) {
+  NoiseEstimate noise;
+  noise.variance = profile.variance();
+  noise.ratio = profile.shape.ratio;
+  noise.offset = profile.shape.offset;
+  noise.colour_ratio = profile.shape.colour_ratio;
+  noise.colour_pole = profile.shape.colour_pole;
+  noise.colour_damping = profile.shape.colour_damping;
+  noise.log_deviations = LogDeviations(likelihood, profile);
+  return noise;
+}
+
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
@@ -43,19 +57,10 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             bool search_colour) {
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/true);
-  const Profile best = start.offset
-                           ? FindBestShape(likelihood, ShapeOf(start),
-                                           estimate_drift, search_colour)
-                           : likelihood.At(ShapeOf(start));
-  NoiseEstimate noise;
-  noise.variance = best.variance();
-  noise.ratio = best.shape.ratio;
-  noise.offset = best.shape.offset;
-  noise.colour_ratio = best.shape.colour_ratio;
-  noise.colour_pole = best.shape.colour_pole;
-  noise.colour_damping = best.shape.colour_damping;
-  noise.log_deviations = LogDeviations(likelihood, best);
-  return noise;
+  return NoiseOf(likelihood, start.offset
+                                 ? FindBestShape(likelihood, ShapeOf(start),
+                                                 estimate_drift, search_colour)
+                                 : likelihood.At(ShapeOf(start)));
 }
 
 OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,

@@ -63,9 +63,9 @@ absl::Status CheckRecords(const std::vector<Record>& records,
   return absl::OkStatus();
 }
 
-// The places of the parts with all inputs known that have `samples` or more, so
-// that they outlast what the model remembers. Where there are none, the
-// function returns the longest part of each record.
+// Returns the places of the parts that have `samples` samples or more with all
+// inputs known: such a part is longer than the model's memory. Where no part
+// is, the function returns the longest part of each record.
 std::vector<KnownPart> PlacesIn(const std::vector<Record>& records,
                                 int samples) {
   std::vector<KnownPart> places;

@@ -50,7 +50,7 @@ TEST(OutputFilterTest, IsNearlyAsGoodAsTheTrueFilter) {
                               grid, 1000, unseen.size()))
             .mean();
     const double found =
-        Together(KalmanErrors(unseen, filter.system, filter.stationary, grid,
+        Together(KalmanErrors(unseen, filter.Every(1), filter.stationary, grid,
                               1000, unseen.size()))
             .mean();
     EXPECT_LT(found, 1.05 * truth);
@@ -101,7 +101,7 @@ TEST(OutputFilterTest, MissingSamplesAreBridged) {
   ASSERT_TRUE(third.estimated());
   const VectorXd unseen = DrawNoise(noise, 50'000, 7);
   const auto error = [&](const OutputFilter& filter) {
-    return Together(KalmanErrors(unseen, filter.system, filter.stationary,
+    return Together(KalmanErrors(unseen, filter.Every(1), filter.stationary,
                                  {.samples = 1, .horizon = 30}, 1000,
                                  unseen.size()))
         .mean();
@@ -149,7 +149,7 @@ TEST(OutputFilterTest, OutputsTogether) {
   EXPECT_LT(closed.eigenvalues().cwiseAbs().maxCoeff(), 1.0);
   EXPECT_EQ(form.R(0), filters[0].noise.variance);
   EXPECT_EQ(form.A.rows(),
-            filters[0].system.order() + filters[1].system.order());
+            filters[0].Every(1).order() + filters[1].Every(1).order());
 }
 
 }  // namespace
