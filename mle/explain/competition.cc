@@ -214,6 +214,7 @@ absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
       return;
     }
     made->Compete();
+    made->output().ForgetResponses();  // those of all outputs are many
     competition.competitions_[i] =
         std::make_unique<OutputCompetition>(*std::move(made));
   });

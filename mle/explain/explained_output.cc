@@ -92,7 +92,7 @@ void ExplainedOutput::ChooseRows() {
   samples_a_row_ = static_cast<int>(std::clamp(
       std::floor(total_samples_ / kMostRows), 1.0, std::max(most, 1.0)));
   cache_size_ = static_cast<std::size_t>(
-      std::clamp(kCachedDoubles / total_samples_, 4.0, 64.0));
+      std::clamp(kCachedDoubles / total_samples_, 4.0, 8.0));
   const Index m = records_->front().num_inputs();
   VectorXd low = VectorXd::Constant(m, 1e300);
   VectorXd high = VectorXd::Constant(m, -1e300);
@@ -279,6 +279,10 @@ const std::vector<VectorXd>& ExplainedOutput::ResponseOf(int element,
   if (cache.size() >= cache_size_) cache.pop_front();
   cache.push_back({key, Simulate(elements_[element], key)});
   return cache.back().response;
+}
+
+void ExplainedOutput::ForgetResponses() const {
+  for (std::deque<Cached>& of_element : cache_) of_element.clear();
 }
 
 std::vector<VectorXd> ExplainedOutput::Simulated(

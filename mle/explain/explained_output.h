@@ -99,6 +99,8 @@ class ExplainedOutput {
   // each call: p set points kept by each of p outputs would be many times the
   // records.
   Eigen::VectorXd SetPointMoves(int which, int record) const;
+  // Responses that are kept for the next look are given back.
+  void ForgetResponses() const;
   // An input as means of the rows.
   Eigen::VectorXd InputRows(int input) const;
   // A signal of all samples as means of the rows.
