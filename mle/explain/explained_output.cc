@@ -401,6 +401,13 @@ VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
   return e;
 }
 
+VectorXd ExplainedOutput::ContributionOf(int input) const {
+  const Element& element = *FindElement(input);
+  const ElementValues& values = element.response.initial_values();
+  const Key as_modelled = {values.time_scale, values.delay, 0.0, 0.0, 1.0};
+  return values.gain * RowMeans(Simulate(element, as_modelled));
+}
+
 VectorXd ExplainedOutput::Modelled() const { return RowMeans(Simulated({})); }
 
 VectorXd ExplainedOutput::LostByAverage(double time) const {

@@ -74,6 +74,8 @@ class ExplainedOutput {
   Eigen::VectorXd Residual(const std::vector<Explanation>& explanations) const;
   // e for another model of the same channels, its row simulated as it is.
   absl::StatusOr<Eigen::VectorXd> ResidualOf(const ProcessModel& model) const;
+  // What an input of the model adds to z, of the model as it is.
+  Eigen::VectorXd ContributionOf(int input) const;
   // z alone, of the model as it is, and what a mean over a time around each
   // sample takes from it.
   Eigen::VectorXd Modelled() const;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Eigenvalues"
+#include "Eigen/QR"
 #include "Eigen/SVD"
 #include "absl/status/status.h"
 #include "mle/explain/signal_effects.h"
@@ -25,8 +25,8 @@ constexpr double kLaguerreTime = 0.6;  // of τ
 constexpr int kPlacebos = 40;
 // Signals with fewer moves are one instrument.
 constexpr int kFewestMoves = 4;
-// More instruments than these are those that move the output most.
-constexpr int kMostInstruments = 6;
+// Functions of all instruments at most; more signals have fewer each.
+constexpr Index kMostColumns = 72;
 // A singular value above this share of the largest counts as a direction of its
 // own: the first for instruments, the second for offsets, ramps and free
 // responses.
@@ -35,16 +35,17 @@ constexpr double kLeastFree = 1e-6;
 // Fewer rows than this for each function of the instruments tell too little of
 // chance.
 constexpr Index kLeastRows = 8;
+// Rows that the lengths of placebos are taken from: at least this many, and
+// this many of τ.
+constexpr int kLengthRows = 1500;
+constexpr double kLengthRowsPerTau = 5.0;
 // Squared lengths of a placebo's columns count as at least this share of the
 // largest.
 constexpr double kLeastPlacebo = 1e-2;
 // Time constants nearer than this factor leave the same free response.
 constexpr double kSameLag = 1.3;
 
-// A signal of each record.
-using Signal = std::vector<VectorXd>;
-
-double RangeOf(const Signal& signal) {
+double RangeOf(const RecordSignal& signal) {
   double range = 0.0;
   for (const VectorXd& values : signal) {
     range = std::max(range, values.maxCoeff() - values.minCoeff());
@@ -52,7 +53,7 @@ double RangeOf(const Signal& signal) {
   return range;
 }
 
-int MovesOf(const Signal& signal) {
+int MovesOf(const RecordSignal& signal) {
   int moves = 0;
   for (const VectorXd& values : signal) {
     for (Index k = 1; k < values.size(); ++k) {
@@ -63,9 +64,9 @@ int MovesOf(const Signal& signal) {
 }
 
 // The moves of the first half of all moves, and the others.
-std::vector<Signal> Halves(const Signal& signal) {
+std::vector<RecordSignal> Halves(const RecordSignal& signal) {
   const int half = MovesOf(signal) / 2;
-  std::vector<Signal> halves(2, signal);
+  std::vector<RecordSignal> halves(2, signal);
   int moves = 0;
   for (std::size_t r = 0; r < signal.size(); ++r) {
     VectorXd& first = halves[0][r];
@@ -79,55 +80,6 @@ std::vector<Signal> Halves(const Signal& signal) {
     }
   }
   return halves;
-}
-
-// The moves of a signal later by `shift` samples, those at the end first.
-VectorXd Shifted(const VectorXd& values, Index shift) {
-  const Index n = values.size();
-  if (shift == 0) return values.array() - values[0];
-  VectorXd shifted(n);
-  const Index k = n - shift;  // the first `shift` moves are the last ones
-  shifted.head(shift) = values.tail(shift).array() - values[k];
-  shifted.tail(k) =
-      values.head(k).array() - values[0] + (values[n - 1] - values[k]);
-  return shifted;
-}
-
-// Its Laguerre functions (rows × functions).
-MatrixXd Bank(const ExplainedOutput& output, const Signal& signal,
-              Index functions, double share) {
-  const double pole =
-      std::exp(-output.sample_time() / (kLaguerreTime * output.tau()));
-  const double scale = std::max(RangeOf(signal), 1e-300);
-  MatrixXd bank(static_cast<Index>(output.rows().size()), functions);
-  Signal filtered;
-  for (const VectorXd& values : signal) {
-    const auto shift =
-        static_cast<Index>(share * static_cast<double>(values.size()));
-    const VectorXd moved = Shifted(values, shift) / scale;
-    VectorXd first(values.size());
-    double state = 0.0;
-    for (Index k = 0; k < moved.size(); ++k) {
-      first[k] = state;
-      state = pole * state + std::sqrt(1.0 - pole * pole) * moved[k];
-    }
-    filtered.push_back(std::move(first));
-  }
-  for (Index f = 0; f < functions; ++f) {
-    bank.col(f) = output.RowMeans(filtered);
-    if (f + 1 == functions) break;
-    for (VectorXd& values : filtered) {  // (q⁻¹ − pole) / (1 − pole q⁻¹)
-      double input = 0.0;
-      double before = 0.0;
-      for (double& value : values) {
-        const double now = value;
-        before = pole * before - pole * now + input;
-        input = now;
-        value = before;
-      }
-    }
-  }
-  return bank;
 }
 
 // Offsets, ramps and free responses of each record, orthonormal.
@@ -160,36 +112,50 @@ MatrixXd FreeColumns(const ExplainedOutput& output) {
   return svd.matrixU().leftCols(rank);
 }
 
-// Leaves of the signals those that move the output most, by the model.
-template <typename Freed>
-void MostMoving(const ExplainedOutput& output, const Freed& freed,
-                std::vector<Signal>& signals) {
-  if (signals.size() <= kMostInstruments) return;
-  const VectorXd modelled = output.Modelled();
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t s = 0; s < signals.size(); ++s) {
-    const Eigen::BDCSVD<MatrixXd> svd(
-        freed(Bank(output, signals[s], kLaguerre, 0.0)), Eigen::ComputeThinU);
-    order.emplace_back(-(svd.matrixU().transpose() * modelled).squaredNorm(),
-                       s);
-  }
-  std::stable_sort(order.begin(), order.end());
-  order.resize(kMostInstruments);
-  std::vector<Signal> most;
-  for (const auto& [less, index] : order) {
-    most.push_back(std::move(signals[index]));
-  }
-  signals = std::move(most);
+MovesBank BankOf(const ExplainedOutput& output,
+                 const std::vector<RecordSignal>& signals, Index functions) {
+  return {output, signals, static_cast<int>(functions),
+          kLaguerreTime * output.tau()};
 }
 
-std::vector<Signal> InHalves(const std::vector<Signal>& signals) {
-  std::vector<Signal> halves;
-  for (const Signal& signal : signals) {
+// Leaves of the signals as many as have room, those that move the responses of
+// the elements most, by the model.
+void MostMoving(const ExplainedOutput& output, const MatrixXd& free,
+                std::vector<RecordSignal>& signals) {
+  const auto rows = static_cast<Index>(output.rows().size());
+  const Index most = std::clamp(rows / (kLeastRows * kLaguerre), kLaguerre,
+                                kMostColumns / kFewestLaguerre);
+  if (static_cast<Index>(signals.size()) <= most) return;
+  MatrixXd responses(rows, static_cast<Index>(output.inputs().size()));
+  for (Index c = 0; c < responses.cols(); ++c) {
+    responses.col(c) =
+        output.ContributionOf(output.inputs()[static_cast<std::size_t>(c)]);
+  }
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t s = 0; s < signals.size(); ++s) {
+    MatrixXd columns = BankOf(output, {signals[s]}, kLaguerre).Columns(0.0);
+    columns -= free * (free.transpose() * columns);
+    const Eigen::HouseholderQR<MatrixXd> qr(columns);
+    const MatrixXd driven = qr.householderQ().transpose() * responses;
+    order.emplace_back(-driven.topRows(columns.cols()).squaredNorm(), s);
+  }
+  std::stable_sort(order.begin(), order.end());
+  order.resize(static_cast<std::size_t>(most));
+  std::vector<RecordSignal> moving;
+  for (const auto& [less, index] : order) {
+    moving.push_back(std::move(signals[index]));
+  }
+  signals = std::move(moving);
+}
+
+std::vector<RecordSignal> InHalves(const std::vector<RecordSignal>& signals) {
+  std::vector<RecordSignal> halves;
+  for (const RecordSignal& signal : signals) {
     if (MovesOf(signal) < kFewestMoves) {
       halves.push_back(signal);
       continue;
     }
-    for (Signal& half : Halves(signal)) halves.push_back(std::move(half));
+    for (RecordSignal& half : Halves(signal)) halves.push_back(std::move(half));
   }
   return halves;
 }
@@ -200,9 +166,9 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
                                                 const ExplainedOutput& output) {
   Instruments made;
   const std::vector<Record>& records = output.records();
-  std::vector<Signal> signals;
+  std::vector<RecordSignal> signals;
   const auto add = [&](auto row_of) {
-    Signal signal;
+    RecordSignal signal;
     for (const Record& record : records) {
       signal.push_back(Filled(row_of(record).transpose()));
     }
@@ -225,64 +191,82 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
   if (signals.empty()) {
     return absl::FailedPreconditionError("no set point and no input moves");
   }
-  for (const Signal& signal : signals) made.moves_ += MovesOf(signal);
+  for (const RecordSignal& signal : signals) made.moves_ += MovesOf(signal);
   made.free_ = FreeColumns(output);
-  const auto freed = [&](const MatrixXd& columns) -> MatrixXd {
-    return columns - made.free_ * (made.free_.transpose() * columns);
-  };
-
-  MostMoving(output, freed, signals);
+  MostMoving(output, made.free_, signals);
   const Index rows = static_cast<Index>(output.rows().size());
-  std::vector<Signal> halves = InHalves(signals);
-  if (rows >= kLeastRows * kLaguerre * static_cast<Index>(halves.size())) {
+  std::vector<RecordSignal> halves = InHalves(signals);
+  const auto of_halves = kLaguerre * static_cast<Index>(halves.size());
+  if (rows >= kLeastRows * of_halves && of_halves <= kMostColumns) {
     made.parts_ = static_cast<double>(halves.size()) /
                   static_cast<double>(signals.size());
     signals = std::move(halves);
   }
   const auto count = static_cast<Index>(signals.size());
-  const Index functions = std::min(kLaguerre, rows / (kLeastRows * count));
+  const Index functions =
+      std::min({kLaguerre, rows / (kLeastRows * count), kMostColumns / count});
   if (functions < kFewestLaguerre) {
     return absl::FailedPreconditionError("the records are too short");
   }
-  const auto columns_at = [&](double share) {
-    MatrixXd columns(rows, functions * count);
-    for (Index s = 0; s < count; ++s) {
-      columns.middleCols(functions * s, functions) = freed(
-          Bank(output, signals[static_cast<std::size_t>(s)], functions, share));
-    }
-    return columns;
-  };
-  const MatrixXd columns = columns_at(0.0);
-  const Eigen::BDCSVD<MatrixXd> svd(columns,
-                                    Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VectorXd& sizes = svd.singularValues();
-  if (!(sizes[0] > 0.0)) {
+  made.bank_ = BankOf(output, signals, functions);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(made.Products(0.0, 1));
+  const VectorXd& squares = eigen.eigenvalues();  // in increasing order
+  const Index n = squares.size();
+  if (!(squares[n - 1] > 0.0)) {
     return absl::FailedPreconditionError("no set point and no input moves");
   }
   Index rank = 0;
-  while (rank < sizes.size() && sizes[rank] > kLeastDirection * sizes[0]) {
+  while (rank < n && squares[n - 1 - rank] >
+                         kLeastDirection * kLeastDirection * squares[n - 1]) {
     ++rank;
   }
-  const MatrixXd to_basis = svd.matrixV().leftCols(rank) *
-                            sizes.head(rank).cwiseInverse().asDiagonal();
-  made.basis_ = svd.matrixU().leftCols(rank);
-  made.placebos_ = kPlacebos;
-  made.placebo_.resize(columns.rows(), rank * kPlacebos);
-  for (int s = 0; s < kPlacebos; ++s) {
+  made.to_basis_ = eigen.eigenvectors().rightCols(rank) *
+                   squares.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  made.FindPlacebos(output);
+  return made;
+}
+
+MatrixXd Instruments::Products(double share, int every) const {
+  MatrixXd columns = bank_.Columns(share, every);
+  MatrixXd free(columns.rows(), free_.cols());
+  for (Index i = 0; i < free.rows(); ++i) free.row(i) = free_.row(i * every);
+  const Eigen::HouseholderQR<MatrixXd> qr(free);
+  free = qr.householderQ() * MatrixXd::Identity(free.rows(), free.cols());
+  columns -= free * (free.transpose() * columns);
+  MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
+  products.selfadjointView<Eigen::Lower>().rankUpdate(
+      columns.transpose(), static_cast<double>(every));
+  return products.selfadjointView<Eigen::Lower>();
+}
+
+void Instruments::FindPlacebos(const ExplainedOutput& output) {
+  const auto rows = static_cast<int>(output.rows().size());
+  const double row_time = output.samples_a_row() * output.sample_time();
+  const int every = std::max(
+      1, std::min(
+             rows / kLengthRows,
+             static_cast<int>(output.tau() / (kLengthRowsPerTau * row_time))));
+  for (int s = 1; s <= kPlacebos; ++s) {
+    shares_.push_back(s / (kPlacebos + 1.0));
     // Made orthonormal by the smallest change, so that each direction stays
     // that of the same moves.
-    const MatrixXd moved = columns_at((s + 1.0) / (kPlacebos + 1.0)) * to_basis;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(moved.transpose() *
-                                                        moved);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
+        to_basis_.transpose() * Products(shares_.back(), every) * to_basis_);
     const VectorXd lengths = eigen.eigenvalues().cwiseMax(
         kLeastPlacebo * eigen.eigenvalues().maxCoeff());
-    const MatrixXd to_orthonormal =
-        eigen.eigenvectors() * lengths.cwiseSqrt().cwiseInverse().asDiagonal() *
-        eigen.eigenvectors().transpose();
-    made.placebo_.middleCols(s * rank, rank) =
-        (moved * to_orthonormal).cast<float>();
+    to_placebo_.push_back(to_basis_ * eigen.eigenvectors() *
+                          lengths.cwiseSqrt().cwiseInverse().asDiagonal() *
+                          eigen.eigenvectors().transpose());
   }
-  return made;
+}
+
+VectorXd Instruments::Project(const VectorXd& e) const {
+  return to_basis_.transpose() * bank_.Project(Freed(e), {0.0});
+}
+
+VectorXd Instruments::Undriven(const VectorXd& e) const {
+  const VectorXd driven = bank_.Columns(0.0) * (to_basis_ * Project(e));
+  return Freed(e - driven);
 }
 
 VectorXd Instruments::Project(const VectorXd& e,
@@ -293,18 +277,18 @@ VectorXd Instruments::Project(const VectorXd& e,
   products.diagonal().array() += 1e-9;
   const VectorXd left =
       e - free_ * products.ldlt().solve(weighted.transpose() * e);
-  return basis_.transpose() * left.cwiseProduct(weights);
+  return Project(left.cwiseProduct(weights));
 }
 
 MatrixXd Instruments::ProjectPlacebos(const VectorXd& e) const {
-  // Without offsets, which may be larger by more than a float has digits, and
-  // in units in which no number leaves its range.
-  const VectorXd freed = Freed(e);
-  const double size = freed.norm();
-  if (!(size > 0.0)) return MatrixXd::Zero(placebos_, rank());
-  const Eigen::VectorXf scaled = (freed / size).cast<float>();
-  const VectorXd all = size * (placebo_.transpose() * scaled).cast<double>();
-  return Eigen::Map<const MatrixXd>(all.data(), rank(), placebos_).transpose();
+  const MatrixXd products = bank_.Project(Freed(e), shares_);
+  MatrixXd placebos(products.cols(), rank());
+  for (Index s = 0; s < placebos.rows(); ++s) {
+    placebos.row(s) =
+        (to_placebo_[static_cast<std::size_t>(s)].transpose() * products.col(s))
+            .transpose();
+  }
+  return placebos;
 }
 
 }  // namespace mle

@@ -34,6 +34,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/explain/explained_output.h"
+#include "mle/explain/moves_bank.h"
 
 namespace mle {
 
@@ -46,22 +47,17 @@ class Instruments {
   // How many instruments each of them was made: 1, or up to 2.
   double parts() const { return parts_; }
   // r, of Q, and the number of placebos.
-  int rank() const { return static_cast<int>(basis_.cols()); }
-  int placebos() const { return placebos_; }
+  int rank() const { return static_cast<int>(to_basis_.cols()); }
+  int placebos() const { return static_cast<int>(shares_.size()); }
   // Set points move; if not, inputs stand for them.
   bool by_set_points() const { return by_set_points_; }
   // Moves of the instruments, all together.
   int moves() const { return moves_; }
 
   // What the instruments do not drive of e.
-  Eigen::VectorXd Undriven(const Eigen::VectorXd& e) const {
-    return Freed(e) - basis_ * Project(e);
-  }
-
+  Eigen::VectorXd Undriven(const Eigen::VectorXd& e) const;
   // Qᵀe.
-  Eigen::VectorXd Project(const Eigen::VectorXd& e) const {
-    return basis_.transpose() * e;
-  }
+  Eigen::VectorXd Project(const Eigen::VectorXd& e) const;
   // The same of the rows of weight one alone, freed of what offsets and free
   // responses explain of these; rows of weight zero have no part in it.
   Eigen::VectorXd Project(const Eigen::VectorXd& e,
@@ -76,15 +72,18 @@ class Instruments {
  private:
   Instruments() = default;
 
+  // Products of the columns of B_s, freed; from each `every`-th row.
+  Eigen::MatrixXd Products(double share, int every) const;
+  void FindPlacebos(const ExplainedOutput& output);
+
   bool by_set_points_ = false;
   int moves_ = 0;
   double parts_ = 1.0;
-  int placebos_ = 0;
-  Eigen::MatrixXd free_;   // rows × f, orthonormal
-  Eigen::MatrixXd basis_;  // rows × r
-  // rows × (r · placebos). Of chance seven digits suffice, and every look at a
-  // residual reads all of it.
-  Eigen::MatrixXf placebo_;
+  Eigen::MatrixXd free_;  // rows × f, orthonormal
+  MovesBank bank_;
+  Eigen::MatrixXd to_basis_;  // Q = freed B_0 times this
+  std::vector<double> shares_;
+  std::vector<Eigen::MatrixXd> to_placebo_;  // Q_s, of each share
 };
 
 }  // namespace mle
