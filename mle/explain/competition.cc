@@ -206,17 +206,19 @@ absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
       std::make_unique<const std::vector<Record>>(std::move(records));
   competition.competitions_.resize(p);
   competition.results_.resize(p);
+  const auto inputs =
+      std::make_shared<const FilledInputs>(Fill(*competition.records_));
   ParallelFor(p, options.threads, [&](int i) {
-    absl::StatusOr<OutputCompetition> made =
-        OutputCompetition::Create(model, *competition.records_, i, options);
+    absl::StatusOr<std::unique_ptr<OutputCompetition>> made =
+        OutputCompetition::Create(model, *competition.records_, i, inputs,
+                                  options);
     if (!made.ok()) {
       competition.results_[i].unjudged = std::string(made.status().message());
       return;
     }
-    made->Compete();
-    made->output().ForgetResponses();  // those of all outputs are many
-    competition.competitions_[i] =
-        std::make_unique<OutputCompetition>(*std::move(made));
+    (*made)->Compete();
+    (*made)->output().ForgetResponses();  // those of all outputs are many
+    competition.competitions_[i] = *std::move(made);
   });
   CompeteTogether(model, competition.competitions_);
   ParallelFor(p, options.threads, [&](int i) {

@@ -24,9 +24,6 @@ constexpr double kRowsPerTau = 20.0;
 constexpr double kBridged = 0.1;
 // After a gap the output does not count for this many times the longest T + L.
 constexpr double kForgotten = 3.0;
-// Doubles that the responses of one element may take.
-constexpr double kCachedDoubles = 1 << 21;
-
 VectorXd FromFirst(const Eigen::RowVectorXd& signal) {
   const VectorXd filled = Filled(signal.transpose());
   return filled.array() - filled[0];
@@ -34,9 +31,24 @@ VectorXd FromFirst(const Eigen::RowVectorXd& signal) {
 
 }  // namespace
 
+FilledInputs Fill(const std::vector<Record>& records) {
+  FilledInputs inputs;
+  for (const Record& record : records) {
+    Eigen::MatrixXd& filled = inputs.emplace_back(record.inputs.transpose());
+    for (Index j = 0; j < filled.cols(); ++j) {
+      filled.col(j) = Filled(filled.col(j));
+    }
+  }
+  return inputs;
+}
+
 absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
-    const ProcessModel& model, const std::vector<Record>& records, int output) {
+    const ProcessModel& model, const std::vector<Record>& records, int output,
+    std::shared_ptr<const FilledInputs> inputs) {
   ExplainedOutput explained;
+  explained.filled_ = inputs != nullptr
+                          ? std::move(inputs)
+                          : std::make_shared<const FilledInputs>(Fill(records));
   explained.records_ = &records;
   explained.output_ = output;
   explained.sample_time_ = records.front().sample_time;
@@ -70,8 +82,9 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
   }
-  explained.cache_.resize(explained.elements_.size());
-  const std::vector<VectorXd> z = explained.Simulated({});
+  explained.cache_ = ResponseCache(static_cast<double>(explained.rows_.size()));
+  explained.measured_ = explained.MeasuredMeans(explained.outputs_);
+  const std::vector<VectorXd> z = explained.SimulatedBy(explained.elements_);
   double low = 0.0;
   double high = 0.0;
   for (const VectorXd& values : z) {
@@ -91,24 +104,22 @@ void ExplainedOutput::ChooseRows() {
   const double most = std::floor(tau_ / (kRowsPerTau * sample_time_));
   samples_a_row_ = static_cast<int>(std::clamp(
       std::floor(total_samples_ / kMostRows), 1.0, std::max(most, 1.0)));
-  cache_size_ = static_cast<std::size_t>(
-      std::clamp(kCachedDoubles / total_samples_, 4.0, 8.0));
   const Index m = records_->front().num_inputs();
   VectorXd low = VectorXd::Constant(m, 1e300);
   VectorXd high = VectorXd::Constant(m, -1e300);
   distances_ = VectorXd::Zero(m);
   for (int r = 0; r < static_cast<int>(records_->size()); ++r) {
     const Record& record = (*records_)[r];
-    Eigen::MatrixXd filled = record.inputs;
+    const Eigen::MatrixXd& filled = (*filled_)[r];
+    outputs_.emplace_back(record.outputs.row(output_).transpose());
     std::vector<bool> counts(record.samples(), true);
     const double longest_gap = std::max(3.0, kBridged * tau_ / sample_time_);
     const double forgotten = kForgotten * longest_ / sample_time_;
     for (const Element& element : elements_) {
       const int j = element.input;
-      filled.row(j) = Filled(record.inputs.row(j).transpose()).transpose();
       double gap = 0.0;
       double uncertain = 0.0;
-      for (Index k = 0; k < filled.cols(); ++k) {
+      for (Index k = 0; k < filled.rows(); ++k) {
         if (std::isfinite(record.inputs(j, k))) {
           if (gap > longest_gap) uncertain = forgotten;
           gap = 0.0;
@@ -120,23 +131,22 @@ void ExplainedOutput::ChooseRows() {
         }
         uncertain -= 1.0;
       }
-      low[j] = std::min(low[j], filled.row(j).minCoeff());
-      high[j] = std::max(high[j], filled.row(j).maxCoeff());
+      low[j] = std::min(low[j], filled.col(j).minCoeff());
+      high[j] = std::max(high[j], filled.col(j).maxCoeff());
       distances_[j] =
           std::max(distances_[j],
-                   (filled.row(j).array() - filled(j, 0)).abs().maxCoeff());
+                   (filled.col(j).array() - filled(0, j)).abs().maxCoeff());
     }
     for (int first = 0; first + samples_a_row_ <= record.samples();
          first += samples_a_row_) {
       bool measured = false;
       bool known = true;
       for (int k = first; k < first + samples_a_row_; ++k) {
-        measured = measured || std::isfinite(record.outputs(output_, k));
+        measured = measured || std::isfinite(outputs_.back()[k]);
         known = known && counts[k];
       }
       if (measured && known) rows_.push_back({r, first, samples_a_row_});
     }
-    filled_.push_back(std::move(filled));
   }
   ranges_ = (high - low).cwiseMax(0.0);
 }
@@ -185,9 +195,9 @@ int ExplainedOutput::PartsOf(ExplanationKind kind) const {
 }
 
 Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
-                                         const Key& key) const {
-  const auto row = filled_[record].row(input);
-  VectorXd v = (row.array() - row[0]).matrix().transpose();
+                                         const ResponseKey& key) const {
+  const auto column = (*filled_)[record].col(input);
+  VectorXd v = column.array() - column[0];
   const double range = std::max(ranges_[input], 1e-300);
   const double curve = key[5];
   const double slowness = key[6];
@@ -229,7 +239,7 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
 }
 
 std::vector<VectorXd> ExplainedOutput::Simulate(const Element& element,
-                                                const Key& key) const {
+                                                const ResponseKey& key) const {
   const auto [lag, delay, second, lead, falling] =
       std::array<double, 5>{key[0], key[1], key[2], key[3], key[4]};
   std::vector<VectorXd> responses;
@@ -270,29 +280,31 @@ std::vector<VectorXd> ExplainedOutput::Simulate(const Element& element,
   return responses;
 }
 
-const std::vector<VectorXd>& ExplainedOutput::ResponseOf(int element,
-                                                         const Key& key) const {
-  std::deque<Cached>& cache = cache_[element];
-  for (const Cached& cached : cache) {
-    if (cached.key == key) return cached.response;
-  }
-  if (cache.size() >= cache_size_) cache.pop_front();
-  cache.push_back({key, Simulate(elements_[element], key)});
-  return cache.back().response;
-}
-
-void ExplainedOutput::ForgetResponses() const {
-  for (std::deque<Cached>& of_element : cache_) of_element.clear();
-}
-
-std::vector<VectorXd> ExplainedOutput::Simulated(
-    const std::vector<Explanation>& explanations) const {
+std::vector<VectorXd> ExplainedOutput::SimulatedBy(
+    const std::vector<Element>& elements) const {
   std::vector<VectorXd> z;
   for (const Record& record : *records_) {
     z.push_back(VectorXd::Zero(record.samples()));
   }
+  for (const Element& element : elements) {
+    if (!element.in_model) continue;
+    const ElementValues& values = element.response.initial_values();
+    const std::vector<VectorXd> responses =
+        Simulate(element, {values.time_scale, values.delay, 0.0, 0.0, 1.0});
+    for (std::size_t r = 0; r < z.size(); ++r) {
+      z[r] += values.gain * responses[r];
+    }
+  }
+  return z;
+}
+
+std::vector<ResponsePart> ExplainedOutput::Responses(
+    const std::vector<Explanation>& explanations) const {
+  std::vector<ResponsePart> parts;
   const double clock =
       0.5 * tau_ * ValueOf(explanations, Kind::kOutputClock, output_);
+  const double width = ValueOf(explanations, Kind::kAveragedOutput, output_) *
+                       tau_ / sample_time_;
   for (int e = 0; e < static_cast<int>(elements_.size()); ++e) {
     const int j = elements_[e].input;
     const ElementValues aged = Aged(j, explanations);
@@ -310,109 +322,110 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
     int part_of_load = 0;
     const double load = ValueOf(explanations, Kind::kLoadWithSetPoints, j,
                                 nullptr, &part_of_load);
-    const Key key = {values.time_scale,
-                     values.delay,
-                     shape.second,
-                     shape.lead,
-                     falling,
-                     ValueOf(explanations, Kind::kCurvedInput, j),
-                     limited ? std::exp(rate) : 0.0,
-                     ValueOf(explanations, Kind::kBacklash, j),
-                     ValueOf(explanations, Kind::kSaturation, j),
-                     load,
-                     load != 0.0 ? static_cast<double>(part_of_load) : 0.0};
-    const std::vector<VectorXd>& responses = ResponseOf(e, key);
+    const ResponseKey key = {values.time_scale,
+                             values.delay,
+                             shape.second,
+                             shape.lead,
+                             falling,
+                             ValueOf(explanations, Kind::kCurvedInput, j),
+                             limited ? std::exp(rate) : 0.0,
+                             ValueOf(explanations, Kind::kBacklash, j),
+                             ValueOf(explanations, Kind::kSaturation, j),
+                             load,
+                             load != 0.0 ? part_of_load : 0.0,
+                             width > 1.0 ? width : 0.0};
+    parts.push_back({e, key, values.gain});
     int part = 0;
     const double change =
         ValueOf(explanations, Kind::kChangeDuringRecord, j, nullptr, &part);
-    double passed = 0.0;
-    for (std::size_t r = 0; r < z.size(); ++r) {
-      if (change == 0.0) {
-        z[r] += values.gain * responses[r];
-        continue;
-      }
-      for (Index k = 0; k < z[r].size(); ++k) {
-        const double at = (passed + static_cast<double>(k)) / total_samples_;
-        z[r][k] += values.gain * responses[r][k] *
-                   (1.0 + change * ShareOfChange(part, at));
-      }
-      passed += static_cast<double>(z[r].size());
-    }
+    if (change == 0.0) continue;
+    parts.push_back({e, key, values.gain * change});
+    parts.back().key.back() = part + 1.0;
   }
-  const double curve = ValueOf(explanations, Kind::kCurvedOutput, output_);
-  const double cubic = ValueOf(explanations, Kind::kSShapedOutput, output_);
-  const double width = ValueOf(explanations, Kind::kAveragedOutput, output_) *
-                       tau_ / sample_time_;
+  return parts;
+}
+
+VectorXd ExplainedOutput::ResponseOf(const ResponsePart& part) const {
+  std::vector<VectorXd> z = Simulate(elements_[part.element], part.key);
+  const double width = part.key[11];
+  const int change = static_cast<int>(part.key[12]) - 1;
+  double passed = 0.0;
   for (VectorXd& values : z) {
-    if (curve != 0.0 || cubic != 0.0) {
-      const Eigen::ArrayXd scaled = values.array() / output_range_;
-      values.array() +=
-          output_range_ * (curve * scaled.square() + cubic * scaled.cube());
+    if (change >= 0) {
+      for (Index k = 0; k < values.size(); ++k) {
+        values[k] *= ShareOfChange(
+            change, (passed + static_cast<double>(k)) / total_samples_);
+      }
     }
+    passed += static_cast<double>(values.size());
     if (width > 1.0) values = Averaged(values, width);
   }
-  return z;
+  return MeasuredMeans(z);
+}
+
+bool ExplainedOutput::IsCurved(
+    const std::vector<Explanation>& explanations) const {
+  return ValueOf(explanations, Kind::kCurvedOutput, output_) != 0.0 ||
+         ValueOf(explanations, Kind::kSShapedOutput, output_) != 0.0;
 }
 
 VectorXd ExplainedOutput::Residual(
     const std::vector<Explanation>& explanations) const {
-  return Less(Simulated(explanations));
+  VectorXd z = VectorXd::Zero(measured_.size());
+  for (const ResponsePart& part : Responses(explanations)) {
+    z += part.gain * cache_.Get(part, [&] { return ResponseOf(part); });
+  }
+  if (IsCurved(explanations)) {
+    const double curve = ValueOf(explanations, Kind::kCurvedOutput, output_);
+    const double cubic = ValueOf(explanations, Kind::kSShapedOutput, output_);
+    const Eigen::ArrayXd scaled = z.array() / output_range_;
+    z.array() +=
+        output_range_ * (curve * scaled.square() + cubic * scaled.cube());
+  }
+  return measured_ - z;
 }
 
 absl::StatusOr<VectorXd> ExplainedOutput::ResidualOf(
     const ProcessModel& model) const {
-  std::vector<VectorXd> z;
-  for (const Record& record : *records_) {
-    z.push_back(VectorXd::Zero(record.samples()));
-  }
-  constexpr Key kAsRecorded = {0.0, 0.0, 0.0, 0.0, 1.0};
+  std::vector<Element> elements;
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (model.element(output_, j).IsZero()) continue;
-    MLE_ASSIGN_OR_RETURN(const ElementResponse response,
+    MLE_ASSIGN_OR_RETURN(ElementResponse response,
                          ElementResponse::Create(model.element(output_, j)));
-    const ElementValues& values = response.initial_values();
-    for (std::size_t r = 0; r < z.size(); ++r) {
-      const VectorXd v = InputOf(j, static_cast<int>(r), kAsRecorded);
-      Eigen::MatrixXd column(v.size(), 1);
-      response.Simulate(values.time_scale, sample_time_,
-                        SampledDelayOf(values.delay, sample_time_), v, 0.0,
-                        column);
-      z[r] += values.gain * column.col(0);
-    }
+    elements.push_back({j, std::move(response), true});
   }
-  return Less(z);
+  return measured_ - MeasuredMeans(SimulatedBy(elements));
 }
 
-VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
-  VectorXd e(static_cast<Index>(rows_.size()));
+VectorXd ExplainedOutput::MeasuredMeans(const std::vector<VectorXd>& z) const {
+  VectorXd means(static_cast<Index>(rows_.size()));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const ResidualRow& row = rows_[i];
-    const auto& outputs = (*records_)[row.record].outputs;
+    const VectorXd& y = outputs_[row.record];
+    const VectorXd& values = z[row.record];
     double sum = 0.0;
     int count = 0;
     for (int k = row.first; k < row.first + row.samples; ++k) {
-      const double y = outputs(output_, k);
-      if (!std::isfinite(y)) continue;
-      sum += y - z[row.record][k];
+      if (!std::isfinite(y[k])) continue;
+      sum += values[k];
       ++count;
     }
-    e[static_cast<Index>(i)] = sum / count;
+    means[static_cast<Index>(i)] = sum / count;
   }
-  return e;
+  return means;
 }
 
 VectorXd ExplainedOutput::ContributionOf(int input) const {
   const Element& element = *FindElement(input);
   const ElementValues& values = element.response.initial_values();
-  const Key as_modelled = {values.time_scale, values.delay, 0.0, 0.0, 1.0};
-  return values.gain * RowMeans(Simulate(element, as_modelled));
+  return values.gain *
+         RowMeans(Simulate(element,
+                           {values.time_scale, values.delay, 0.0, 0.0, 1.0}));
 }
-
-VectorXd ExplainedOutput::Modelled() const { return RowMeans(Simulated({})); }
 
 VectorXd ExplainedOutput::LostByAverage(double time) const {
   const double width = time / sample_time_;
-  std::vector<VectorXd> lost = Simulated({});
+  std::vector<VectorXd> lost = SimulatedBy(elements_);
   for (VectorXd& z : lost) {
     if (width > 1.0) z -= Earlier(Averaged(z, width), 0.5 * (width - 1.0));
   }
@@ -421,8 +434,8 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
 
 VectorXd ExplainedOutput::InputRows(int input) const {
   std::vector<VectorXd> signal;
-  for (const Eigen::MatrixXd& inputs : filled_) {
-    signal.push_back(inputs.row(input).transpose());
+  for (const Eigen::MatrixXd& inputs : *filled_) {
+    signal.push_back(inputs.col(input));
   }
   return RowMeans(signal);
 }

@@ -1,8 +1,8 @@
 // An output as a process model and explanations say it should have been:
 // simulated from the recorded inputs, and its residual.
 //
-//   z(t) = Σ_j response of element j to its input, from rest at the first
-//          sample of each record,
+//   z(t) = Σ_j K_j c_j(t), c_j the response of element j for a gain of 1 to its
+//          input, from rest at the first sample of each record,
 //   e = measured − z,
 //
 // as means over rows of a few samples, each row at most a twentieth of the
@@ -13,8 +13,7 @@
 #ifndef MLE_EXPLAIN_EXPLAINED_OUTPUT_H_
 #define MLE_EXPLAIN_EXPLAINED_OUTPUT_H_
 
-#include <array>
-#include <deque>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -22,6 +21,7 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/explain/explanation.h"
+#include "mle/explain/response_cache.h"
 #include "mle/model/element_response.h"
 #include "mle/model/process_model.h"
 
@@ -34,13 +34,18 @@ struct ResidualRow {
   int samples = 0;
 };
 
+// The inputs of each record without gaps (samples × inputs).
+using FilledInputs = std::vector<Eigen::MatrixXd>;
+FilledInputs Fill(const std::vector<Record>& records);
+
 class ExplainedOutput {
  public:
   // FailedPrecondition where no element of the row can be simulated or no row
-  // counts. `records` must outlive it.
+  // counts. `records` must outlive it; `inputs` are theirs, filled here where
+  // there are none.
   static absl::StatusOr<ExplainedOutput> Create(
-      const ProcessModel& model, const std::vector<Record>& records,
-      int output);
+      const ProcessModel& model, const std::vector<Record>& records, int output,
+      std::shared_ptr<const FilledInputs> inputs = nullptr);
 
   const std::vector<ResidualRow>& rows() const { return rows_; }
   const std::vector<Record>& records() const { return *records_; }
@@ -70,15 +75,22 @@ class ExplainedOutput {
   // Bounds of θ: those of the table, and that no dead time is negative.
   std::pair<double, double> Bounds(const Explanation& explanation) const;
 
+  // What is measured, as means of the rows.
+  const Eigen::VectorXd& Measured() const { return measured_; }
+  // z as a sum of responses; a curve of the output acts on the sum.
+  std::vector<ResponsePart> Responses(
+      const std::vector<Explanation>& explanations) const;
+  bool IsCurved(const std::vector<Explanation>& explanations) const;
+  // The response of a part for a gain of 1, as means of the rows.
+  Eigen::VectorXd ResponseOf(const ResponsePart& part) const;
   // e for these explanations (rows).
   Eigen::VectorXd Residual(const std::vector<Explanation>& explanations) const;
   // e for another model of the same channels, its row simulated as it is.
   absl::StatusOr<Eigen::VectorXd> ResidualOf(const ProcessModel& model) const;
   // What an input of the model adds to z, of the model as it is.
   Eigen::VectorXd ContributionOf(int input) const;
-  // z alone, of the model as it is, and what a mean over a time around each
-  // sample takes from it.
-  Eigen::VectorXd Modelled() const;
+  // What a mean over a time around each sample takes from z, of the model as it
+  // is.
   Eigen::VectorXd LostByAverage(double time) const;
   // Values of the element from which explanations change K, T and L: those of
   // the model, or of a new path.
@@ -102,7 +114,7 @@ class ExplainedOutput {
   // records.
   Eigen::VectorXd SetPointMoves(int which, int record) const;
   // Responses that are kept for the next look are given back.
-  void ForgetResponses() const;
+  void ForgetResponses() const { cache_.Clear(); }
   // An input as means of the rows.
   Eigen::VectorXd InputRows(int input) const;
   // A signal of all samples as means of the rows.
@@ -120,19 +132,10 @@ class ExplainedOutput {
     double second = 0.0;  // lag
     double lead = 0.0;
   };
-  // The values that a response depends on: T, L, the second lag, the lead, the
-  // ratio of the lag downwards, and the input's curve, rate, backlash, limit,
-  // load with set points and its part.
-  using Key = std::array<double, 11>;
   struct MovingSetPoint {
     int number = 0;      // its row in Record::set_points
     double range = 0.0;  // the largest within a record
   };
-  struct Cached {
-    Key key;
-    std::vector<Eigen::VectorXd> response;  // of each record, for K = 1
-  };
-
   ExplainedOutput() = default;
   const Element* FindElement(int input) const;
   bool Applies(ExplanationKind kind, const Element& element,
@@ -146,15 +149,15 @@ class ExplainedOutput {
   void FindMovingSetPoints(int set_points);
   // The set point that a load of this part follows, or the mean of all.
   Eigen::VectorXd LoadOf(int part, int record) const;
+  // The response for a gain of 1 at each sample of each record, and Σ K c of
+  // elements as they are.
   std::vector<Eigen::VectorXd> Simulate(const Element& element,
-                                        const Key& key) const;
-  const std::vector<Eigen::VectorXd>& ResponseOf(int element,
-                                                 const Key& key) const;
-  Eigen::VectorXd InputOf(int input, int record, const Key& key) const;
-  std::vector<Eigen::VectorXd> Simulated(
-      const std::vector<Explanation>& explanations) const;
-  // The means of what is measured less z.
-  Eigen::VectorXd Less(const std::vector<Eigen::VectorXd>& z) const;
+                                        const ResponseKey& key) const;
+  std::vector<Eigen::VectorXd> SimulatedBy(
+      const std::vector<Element>& elements) const;
+  Eigen::VectorXd InputOf(int input, int record, const ResponseKey& key) const;
+  // Means of the samples of each row at which the output was measured.
+  Eigen::VectorXd MeasuredMeans(const std::vector<Eigen::VectorXd>& z) const;
 
   const std::vector<Record>* records_ = nullptr;
   int output_ = 0;
@@ -166,15 +169,16 @@ class ExplainedOutput {
   std::vector<int> inputs_;
   std::vector<Element> elements_;
   std::vector<ResidualRow> rows_;
-  // Inputs without gaps, and their ranges and largest distances from the first.
-  std::vector<Eigen::MatrixXd> filled_;
+  std::vector<Eigen::VectorXd> outputs_;  // of each record
+  Eigen::VectorXd measured_;              // rows
+  // Inputs without gaps, their ranges, and largest distances from the first.
+  std::shared_ptr<const FilledInputs> filled_;
   Eigen::VectorXd ranges_;
   Eigen::VectorXd distances_;
   std::vector<MovingSetPoint> moving_set_points_;
   double output_range_ = 1.0;
   double total_samples_ = 1.0;
-  std::size_t cache_size_ = 4;
-  mutable std::vector<std::deque<Cached>> cache_;
+  mutable ResponseCache cache_;  // rows of responses
 };
 
 }  // namespace mle

@@ -11,28 +11,53 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostFunctions = 8;
+constexpr int kFewestFunctions = 3;
+constexpr int kMostFunctions = 6;
 // A sample's functions side by side.
 using Functions =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// The Laguerre functions of a signal (samples × functions).
-Functions LaguerreOf(const VectorXd& signal, double pole, int functions) {
+// The Laguerre functions of a signal (samples × functions), or their sums from
+// the first sample on.
+template <int kFunctions>
+void RunLaguerre(const VectorXd& signal, double pole, bool summed,
+                 Functions& result) {
   const double gain = std::sqrt(1.0 - pole * pole);
-  Functions result(signal.size(), functions);
   double first = 0.0;
-  std::array<double, kMostFunctions> input{};
-  std::array<double, kMostFunctions> state{};
-  for (Index k = 0; k < signal.size(); ++k) {
+  std::array<double, kFunctions> input{};
+  std::array<double, kFunctions> state{};
+  std::array<double, kFunctions> sum{};
+  double* to = result.data();
+  for (Index k = 0; k < signal.size(); ++k, to += kFunctions) {
     double value = first;
     first = pole * first + gain * signal[k];
-    result(k, 0) = value;
-    for (int f = 1; f < functions; ++f) {  // (q⁻¹ − pole) / (1 − pole q⁻¹)
-      state[f] = pole * (state[f] - value) + input[f];
-      input[f] = value;
-      value = state[f];
-      result(k, f) = value;
+    for (int f = 0; f < kFunctions; ++f) {
+      if (f > 0) {  // (q⁻¹ − pole) / (1 − pole q⁻¹)
+        state[f] = pole * (state[f] - value) + input[f];
+        input[f] = value;
+        value = state[f];
+      }
+      sum[f] = summed ? sum[f] + value : value;
+      to[f] = sum[f];
     }
+  }
+}
+
+Functions LaguerreOf(const VectorXd& signal, double pole, int functions,
+                     bool summed) {
+  Functions result(signal.size(), functions);
+  switch (functions) {
+    case 3:
+      RunLaguerre<3>(signal, pole, summed, result);
+      break;
+    case 4:
+      RunLaguerre<4>(signal, pole, summed, result);
+      break;
+    case 5:
+      RunLaguerre<5>(signal, pole, summed, result);
+      break;
+    default:
+      RunLaguerre<kMostFunctions>(signal, pole, summed, result);
   }
   return result;
 }
@@ -59,7 +84,7 @@ int Later(int at, int shift, int samples) {
 MovesBank::MovesBank(const ExplainedOutput& output,
                      const std::vector<RecordSignal>& signals, int functions,
                      double time)
-    : functions_(std::min(functions, kMostFunctions)),
+    : functions_(std::clamp(functions, kFewestFunctions, kMostFunctions)),
       pole_(std::exp(-output.sample_time() / time)),
       rows_(output.rows()) {
   for (const Record& record : output.records()) {
@@ -99,10 +124,15 @@ MatrixXd MovesBank::Columns(double share, int every) const {
           if (later > 0) moved[later] = move.size;
         }
         for (int k = 1; k < n; ++k) moved[k] += moved[k - 1];
-        functions = LaguerreOf(moved, pole_, functions_);
+        functions = LaguerreOf(moved, pole_, functions_, false);
       }
-      columns.row(i / every).segment(at, functions_) =
-          functions.middleRows(row.first, row.samples).colwise().mean();
+      for (int f = 0; f < functions_; ++f) {
+        double sum = 0.0;
+        for (int k = row.first; k < row.first + row.samples; ++k) {
+          sum += functions(k, f);
+        }
+        columns(i / every, at + f) = sum / row.samples;
+      }
     }
   }
   return columns;
@@ -119,12 +149,13 @@ MatrixXd MovesBank::Project(const VectorXd& x,
     VectorXd backward = VectorXd::Zero(n);
     for (; i < rows_.size() && rows_[i].record == r; ++i) {
       const ResidualRow& row = rows_[i];
-      backward.segment(n - row.first - row.samples, row.samples)
-          .setConstant(x[static_cast<Index>(i)] / row.samples);
+      const double each = x[static_cast<Index>(i)] / row.samples;
+      for (int k = row.first; k < row.first + row.samples; ++k) {
+        backward[last - k] = each;
+      }
     }
     // Sums over all samples from one on.
-    Functions sums = LaguerreOf(backward, pole_, functions_);
-    for (Index k = 1; k < n; ++k) sums.row(k) += sums.row(k - 1);
+    const Functions sums = LaguerreOf(backward, pole_, functions_, true);
     for (std::size_t c = 0; c < shares.size(); ++c) {
       const int shift = ShiftOf(shares[c], n);
       for (std::size_t s = 0; s < signals_.size(); ++s) {

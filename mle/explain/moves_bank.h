@@ -27,7 +27,7 @@ using RecordSignal = std::vector<Eigen::VectorXd>;
 class MovesBank {
  public:
   MovesBank() = default;
-  // Of signals that move; `time` is T.
+  // Of signals that move; three to six functions, `time` is T.
   MovesBank(const ExplainedOutput& output,
             const std::vector<RecordSignal>& signals, int functions,
             double time);

@@ -47,6 +47,9 @@ constexpr double kFarBetter = 0.7;
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
 constexpr double kMostOfSample = 0.75;
+// An energy below this share of the model's is rounding: no placebo shows
+// anything.
+constexpr double kRounding = 1e-20;
 
 std::vector<Explanation> Without(const std::vector<Explanation>& from,
                                  std::size_t i) {
@@ -81,56 +84,51 @@ bool Contains(const std::vector<Explanation>& explanations,
 
 }  // namespace
 
-absl::StatusOr<OutputCompetition> OutputCompetition::Create(
+absl::StatusOr<std::unique_ptr<OutputCompetition>> OutputCompetition::Create(
     const ProcessModel& model, const std::vector<Record>& records, int output,
-    const ExplainOptions& options) {
-  MLE_ASSIGN_OR_RETURN(ExplainedOutput explained,
-                       ExplainedOutput::Create(model, records, output));
+    std::shared_ptr<const FilledInputs> inputs, const ExplainOptions& options) {
+  MLE_ASSIGN_OR_RETURN(
+      ExplainedOutput explained,
+      ExplainedOutput::Create(model, records, output, std::move(inputs)));
   MLE_ASSIGN_OR_RETURN(Instruments instruments,
                        Instruments::Create(model, explained));
-  OutputCompetition competition(std::move(explained), std::move(instruments),
-                                options);
-  if (!competition.instruments_.by_set_points()) {
-    competition.feedback_p_value_ = FeedbackPValue(
-        competition.output_,
-        competition.instruments_.Undriven(competition.output_.Residual({})));
-    competition.options_.evidence *= kWithoutSetPoints;
+  std::unique_ptr<OutputCompetition> competition(new OutputCompetition(
+      std::move(explained), std::move(instruments), options));
+  const ExplainedOutput& made = competition->output_;
+  const VectorXd residual = made.Residual({});
+  if (!competition->instruments_.by_set_points()) {
+    competition->feedback_p_value_ =
+        FeedbackPValue(made, competition->instruments_.Undriven(residual));
+    competition->options_.evidence *= kWithoutSetPoints;
   }
-  competition.all_ =
-      VectorXd::Ones(static_cast<Index>(competition.output_.rows().size()));
-  const ExplainedOutput& made = competition.output_;
-  competition.independent_ =
+  competition->independent_ =
       std::max(kFewestIndependent,
                static_cast<double>(made.rows().size()) * made.samples_a_row() *
                    made.sample_time() / (kIndependent * made.tau()));
-  competition.initial_energy_ = competition.Energy({});
+  competition->rounding_ =
+      kRounding * (1.0 + (made.Measured() - residual).squaredNorm());
+  competition->initial_energy_ = competition->Energy({});
   return competition;
-}
-
-VectorXd OutputCompetition::ValueAt(
-    const std::vector<Explanation>& explanations,
-    const VectorXd& weights) const {
-  return instruments_.Project(output_.Residual(explanations), weights);
 }
 
 double OutputCompetition::Energy(
     const std::vector<Explanation>& explanations) const {
-  return ValueAt(explanations, all_).squaredNorm();
+  return ValueAt(explanations).squaredNorm();
 }
 
 MatrixXd OutputCompetition::Jacobian(
     const std::vector<Explanation>& explanations) const {
   return JacobianOf(
       output_,
-      [this](const std::vector<Explanation>& at) { return ValueAt(at, all_); },
-      explanations, ValueAt(explanations, all_));
+      [this](const std::vector<Explanation>& at) { return ValueAt(at); },
+      explanations, ValueAt(explanations));
 }
 
 OutputCompetition::Fit OutputCompetition::Estimate(
-    std::vector<Explanation> explanations, const VectorXd& weights) const {
+    std::vector<Explanation> explanations) const {
   return FitExplanations(
       output_,
-      [&](const std::vector<Explanation>& at) { return ValueAt(at, weights); },
+      [this](const std::vector<Explanation>& at) { return ValueAt(at); },
       std::move(explanations));
 }
 
@@ -147,7 +145,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
     MatrixXd& directions) const {
   std::vector<Fit> looks;
   std::vector<VectorXd> tried;
-  const VectorXd at = ValueAt(taken, all_);
+  const VectorXd at = ValueAt(taken);
   for (const Explanation& one : output_.Applicable(taken)) {
     if (Contains(taken, one)) continue;
     // A path to inputs that answer the output looks like a new one from them.
@@ -165,7 +163,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
         with.push_back(one);
         with.back().value = start;
         with.back().part = part;
-        const VectorXd value = ValueAt(with, all_);
+        const VectorXd value = ValueAt(with);
         if (!value.allFinite()) continue;
         const VectorXd change = value - at;
         tried.push_back(change);
@@ -188,7 +186,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
   std::stable_sort(looks.begin(), looks.end(), by_score);
   if (looks.size() > kEstimated) looks.resize(kEstimated);
   for (Fit& fit : looks) {
-    fit = Estimate(fit.explanations, all_);
+    fit = Estimate(fit.explanations);
     fit.score = Score(fit.explanations, fit.energy, chance);
   }
   std::stable_sort(looks.begin(), looks.end(), by_score);
@@ -246,10 +244,8 @@ OutputCompetition::Chance OutputCompetition::ChanceOf(
   std::sort(energies.begin(), energies.end());
   const Index n = energies.size();
   chance.energy = 0.5 * (energies[(n - 1) / 2] + energies[n / 2]);
-  // An energy below this is rounding: no placebo shows anything.
-  const double least = 1e-20 * (1.0 + output_.Modelled().squaredNorm());
-  chance.energy = std::max(chance.energy, least);
-  chance.unit = std::max(chance.unit, least);
+  chance.energy = std::max(chance.energy, rounding_);
+  chance.unit = std::max(chance.unit, rounding_);
   return chance;
 }
 
@@ -269,7 +265,7 @@ std::optional<OutputCompetition::Next> OutputCompetition::BestNext(
 }
 
 void OutputCompetition::Forward(const std::vector<Explanation>& given) {
-  const Fit start = Estimate(given, all_);
+  const Fit start = Estimate(given);
   std::vector<Explanation> taken = start.explanations;
   double energy = start.energy;
   std::vector<double> evidences(taken.size(), 0.0);
@@ -309,7 +305,7 @@ void OutputCompetition::Backward(std::size_t given) {
     left = false;
     const std::vector<Explanation> all = Explanations();
     for (std::size_t i = given; i + 1 < taken_.size(); ++i) {
-      const Fit without = Estimate(Without(all, i), all_);
+      const Fit without = Estimate(Without(all, i));
       if (EvidenceOf(without.energy - energy_, unit_) > EvidenceFor(all[i])) {
         continue;
       }
@@ -436,7 +432,16 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   if (!taken_.empty()) {
     held_out_ =
         HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
-          return Estimate(Explanations(), weights).explanations;
+          const ProjectedResidual kept(output_, [&](const VectorXd& e) {
+            return instruments_.Project(e, weights);
+          });
+          return FitExplanations(
+                     output_,
+                     [&](const std::vector<Explanation>& at) {
+                       return kept.At(at);
+                     },
+                     Explanations())
+              .explanations;
         });
   }
   FitTogether();
@@ -445,7 +450,7 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   // yet.
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     if (taken_[i].evidence > 0.0) continue;
-    const Fit without = Estimate(Without(Explanations(), i), all_);
+    const Fit without = Estimate(Without(Explanations(), i));
     taken_[i].evidence = EvidenceOf(without.energy - energy_, unit_);
   }
 }

@@ -3,6 +3,7 @@
 #ifndef MLE_EXPLAIN_OUTPUT_COMPETITION_H_
 #define MLE_EXPLAIN_OUTPUT_COMPETITION_H_
 
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,14 +14,18 @@
 #include "mle/explain/explained_output.h"
 #include "mle/explain/explanation_fit.h"
 #include "mle/explain/instruments.h"
+#include "mle/explain/projected_residual.h"
 
 namespace mle {
 
 class OutputCompetition {
  public:
-  static absl::StatusOr<OutputCompetition> Create(
+  static absl::StatusOr<std::unique_ptr<OutputCompetition>> Create(
       const ProcessModel& model, const std::vector<Record>& records, int output,
+      std::shared_ptr<const FilledInputs> inputs,
       const ExplainOptions& options);
+  OutputCompetition(const OutputCompetition&) = delete;
+  OutputCompetition& operator=(const OutputCompetition&) = delete;
 
   const ExplainedOutput& output() const { return output_; }
   const Instruments& instruments() const { return instruments_; }
@@ -57,13 +62,17 @@ class OutputCompetition {
                     const ExplainOptions& options)
       : output_(std::move(output)),
         instruments_(std::move(instruments)),
-        options_(options) {}
+        options_(options),
+        projected_(output_, [this](const Eigen::VectorXd& e) {
+          return instruments_.Project(e);
+        }) {}
 
-  Eigen::VectorXd ValueAt(const std::vector<Explanation>& explanations,
-                          const Eigen::VectorXd& weights) const;
+  // Qᵀe.
+  Eigen::VectorXd ValueAt(const std::vector<Explanation>& explanations) const {
+    return projected_.At(explanations);
+  }
   Eigen::MatrixXd Jacobian(const std::vector<Explanation>& explanations) const;
-  Fit Estimate(std::vector<Explanation> explanations,
-               const Eigen::VectorXd& weights) const;
+  Fit Estimate(std::vector<Explanation> explanations) const;
   // The best of each explanation beside `taken`, best first; the directions
   // tried go to `directions` (r × …).
   std::vector<Fit> Candidates(const std::vector<Explanation>& taken,
@@ -104,8 +113,8 @@ class OutputCompetition {
   ExplainedOutput output_;
   Instruments instruments_;
   ExplainOptions options_;
+  ProjectedResidual projected_;
   std::optional<double> feedback_p_value_;
-  Eigen::VectorXd all_;  // weights of one
   std::vector<TakenExplanation> taken_;
   std::vector<TakenExplanation> next_;
   std::vector<OutputExplanation::Tie> ties_;
@@ -115,6 +124,7 @@ class OutputCompetition {
   bool together_ = false;
   Eigen::MatrixXd covariance_together_;
   double independent_ = 1.0;  // n, of the placebos
+  double rounding_ = 0.0;     // an energy below is none
   double initial_energy_ = 0.0;
   double energy_ = 0.0;
   double chance_ = 0.0;
