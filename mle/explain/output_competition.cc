@@ -42,8 +42,10 @@ constexpr double kWithoutSetPoints = 2.0;
 // The evidence of one hypothesis, which is not the best of a table: 5 %.
 constexpr double kExpected = 3.0;
 // By which errors held out have to fall at every horizon for a fit of all
-// elements at once; where nothing is answered any fall is enough.
+// elements at once: where nothing won, and in place of what won, which is few
+// changes. Where nothing is answered any fall is enough.
 constexpr double kFarBetter = 0.7;
+constexpr double kHalf = 0.5;
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
 constexpr double kMostOfSample = 0.75;
@@ -74,6 +76,19 @@ bool AllFall(const std::vector<HorizonErrors>& errors,
     if (!(errors[h].explained < factor * before)) return false;
   }
   return !errors.empty();
+}
+
+// The squares of errors held out several steps ahead, in those of the model as
+// it is, summed over the horizons; nothing won where there are none.
+double Squares(const std::vector<HorizonErrors>& held_out) {
+  double sum = 0.0;
+  for (std::size_t h = 0; h < kStepsAhead.size(); ++h) {
+    const bool known = h < held_out.size() && held_out[h].horizon > 0.0;
+    const double share =
+        known ? held_out[h].explained / held_out[h].initial : 1.0;
+    sum += std::min(1.0, share * share);
+  }
+  return sum;
 }
 
 bool Contains(const std::vector<Explanation>& explanations,
@@ -390,14 +405,16 @@ void OutputCompetition::TakeForClock() {
 void OutputCompetition::FitTogether() {
   const bool answered = feedback_p_value_.has_value() && !OpenLoop();
   if (answered || (OpenLoop() && !(energy_ > kMuchLeft * chance_))) return;
+  const double factor = OpenLoop() ? 1.0 : taken_.empty() ? kFarBetter : kHalf;
   const SeveralSteps several_steps(output_, instruments_);
   for (const bool second_lags : {true, false}) {
-    SeveralStepsFit fit = several_steps.Best(second_lags);
+    SeveralStepsFit fit =
+        several_steps.Best(second_lags, factor * factor * Squares(held_out_));
     const double energy = Energy(fit.explanations);
     const Chance chance = ChanceOf({fit.explanations}, directions_);
     const double evidence = EvidenceOf(energy_ - energy, chance.unit);
     if (!(evidence > std::min(kExpected, options_.evidence)) ||
-        !AllFall(fit.held_out, held_out_, OpenLoop() ? 1.0 : kFarBetter)) {
+        !AllFall(fit.held_out, held_out_, factor)) {
       continue;
     }
     together_ = true;

@@ -102,7 +102,8 @@ ExplanationFit SeveralSteps::Fit(std::vector<Explanation> explanations,
   return FitExplanations(output_, Errors(weights), std::move(explanations));
 }
 
-std::vector<Explanation> SeveralSteps::Worth(bool second_lags) const {
+std::vector<Explanation> SeveralSteps::Worth(bool second_lags,
+                                             double most) const {
   const VectorXd all =
       VectorXd::Ones(static_cast<Index>(output_.rows().size()));
   std::vector<Explanation> explanations;
@@ -114,6 +115,11 @@ std::vector<Explanation> SeveralSteps::Worth(bool second_lags) const {
   }
   while (!explanations.empty()) {
     const ExplanationFit fit = Fit(explanations, all);
+    double prior = 0.0;
+    for (const Explanation& one : fit.explanations) {
+      prior += kPrior * kPrior * one.value * one.value;
+    }
+    if (fit.energy - prior > most) return {};
     const MatrixXd J = JacobianOf(output_, Errors(all), fit.explanations,
                                   ErrorsAt(fit.explanations, all));
     const MatrixXd H = J.transpose() * J;
@@ -148,11 +154,11 @@ void SeveralSteps::FitFolds(SeveralStepsFit& fit) const {
   fit.covariance = Jackknife(values);
 }
 
-SeveralStepsFit SeveralSteps::Best(bool second_lags) const {
+SeveralStepsFit SeveralSteps::Best(bool second_lags, double most) const {
   const VectorXd all =
       VectorXd::Ones(static_cast<Index>(output_.rows().size()));
   SeveralStepsFit fit;
-  fit.explanations = Worth(second_lags);
+  fit.explanations = Worth(second_lags, most);
   while (!fit.explanations.empty()) {
     FitFolds(fit);
     std::vector<Explanation> significant;

@@ -48,15 +48,18 @@ class SeveralSteps {
   // Both must outlive it.
   SeveralSteps(const ExplainedOutput& output, const Instruments& instruments);
 
-  // With second lags of elements of first order, or without.
-  SeveralStepsFit Best(bool second_lags) const;
+  // With second lags of elements of first order, or without. Nothing where the
+  // squares of the errors that a fit of all leaves in all records, in those of
+  // the model as it is, add up to more than `most` over the horizons: held out
+  // they would be larger still.
+  SeveralStepsFit Best(bool second_lags, double most) const;
 
  private:
   // θ of these from the rows of weight one.
   ExplanationFit Fit(std::vector<Explanation> explanations,
                      const Eigen::VectorXd& weights) const;
   // Those of all that are worth it.
-  std::vector<Explanation> Worth(bool second_lags) const;
+  std::vector<Explanation> Worth(bool second_lags, double most) const;
   // Errors held out and the covariance of θ̂, by the fits without a fold each.
   void FitFolds(SeveralStepsFit& fit) const;
   Eigen::VectorXd ErrorsAt(const std::vector<Explanation>& explanations,

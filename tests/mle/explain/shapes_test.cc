@@ -104,8 +104,8 @@ TEST(SeveralStepsTest, AModelThatIsWrongInEverythingIsFitted) {
   ASSERT_TRUE(output.ok()) << output.status();
   const auto instruments = Instruments::Create(model, *output);
   ASSERT_TRUE(instruments.ok()) << instruments.status();
-  const SeveralStepsFit fit =
-      SeveralSteps(*output, *instruments).Best(/*second_lags=*/false);
+  const SeveralStepsFit fit = SeveralSteps(*output, *instruments)
+                                  .Best(/*second_lags=*/false, /*most=*/3.0);
   ASSERT_GE(fit.explanations.size(), 4u);
   ASSERT_EQ(fit.covariance.rows(),
             static_cast<Eigen::Index>(fit.explanations.size()));
