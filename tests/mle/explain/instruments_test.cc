@@ -1,5 +1,6 @@
 #include "mle/explain/instruments.h"
 
+#include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -54,6 +55,45 @@ TEST(InstrumentsTest, InputsStandForSetPointsThatDoNotMove) {
   const Instruments instruments = InstrumentsOf(*output);
   EXPECT_FALSE(instruments.by_set_points());
   EXPECT_GT(instruments.rank(), 6);
+}
+
+// Of more set points than there is room for those are kept that move what the
+// output's inputs do.
+TEST(InstrumentsTest, OfManySetPointsThoseThatMoveTheElementsJudge) {
+  constexpr int kMany = 30;
+  constexpr int kSamples = 1600;
+  std::vector<InputChannel> inputs;
+  std::vector<OutputChannel> outputs;
+  for (int i = 0; i < kMany; ++i) {
+    inputs.push_back({"u" + std::to_string(i), "%"});
+    outputs.push_back({"y" + std::to_string(i), "m"});
+  }
+  ProcessModel model("many", "min", inputs, outputs);
+  for (int i = 0; i < kMany; ++i) {
+    model.element(i, i) = TransferFunction::FirstOrder(1.0, 10.0, 1.0);
+  }
+  model.element(0, kMany - 1) = TransferFunction::FirstOrder(0.2, 8.0, 1.0);
+  Record record;
+  record.sample_time = 1.0;
+  record.outputs = Eigen::MatrixXd::Zero(kMany, kSamples);
+  record.set_points = Eigen::MatrixXd::Zero(kMany, kSamples);
+  for (int i = 0; i < kMany; ++i) {
+    record.set_points.row(i).segment(40 + 50 * i, 60).setOnes();
+  }
+  record.inputs = record.set_points;
+  const std::vector<Record> records = {record};
+  const auto output = ExplainedOutput::Create(model, records, 0);
+  ASSERT_TRUE(output.ok()) << output.status();
+  const auto instruments = Instruments::Create(model, *output);
+  ASSERT_TRUE(instruments.ok()) << instruments.status();
+  EXPECT_LE(instruments->rank(), 72);
+  for (const int input : {0, kMany - 1}) {
+    const Eigen::VectorXd moved =
+        instruments->Freed(output->ContributionOf(input));
+    EXPECT_GT(instruments->Project(moved).squaredNorm(),
+              0.95 * moved.squaredNorm())
+        << input;
+  }
 }
 
 // Rows without weight have no part, whatever stands there.
