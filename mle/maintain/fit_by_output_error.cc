@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/maintain/kept_parameters.h"
 #include "mle/maintain/unfitted.h"
 
 namespace mle {
@@ -100,6 +101,7 @@ absl::Status FitByOutputError(const ProcessModel& initial,
                              CorrectByOutputError(initial, windows, without));
       }
       fit.change_proposed = output_error.change_proposed;
+      KeepUnchangedParameters(output_error.corrected);
       break;
     case ChangeTest::kAdequacy:
       fit.change_proposed = rejected;
