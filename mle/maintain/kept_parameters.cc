@@ -55,6 +55,16 @@ Parameters FindParameters(OutputErrorFit& fit, int output) {
   return parameters;
 }
 
+// Parameter number `index` of the output, less by `shift`: times are not
+// negative, and gains keep their signs.
+bool IsPossible(OutputErrorFit& fit, int output, Index index, double shift) {
+  const auto place =
+      static_cast<std::size_t>(output * fit.model.num_inputs() + index / 3);
+  const double value = ParametersOf(fit.elements[place])[index % 3]->value;
+  const double shifted = value - shift;
+  return index % 3 == 2 ? shifted >= 0.0 : value * shifted > 0.0;
+}
+
 void KeepUnchanged(OutputErrorFit& fit, int output) {
   const Parameters parameters = FindParameters(fit, output);
   const std::vector<Index>& held = parameters.held;
@@ -73,7 +83,9 @@ void KeepUnchanged(OutputErrorFit& fit, int output) {
     for (Index f = 0; f < C_FS.rows(); ++f) C_FS(f, s) = C(free[f], held[at]);
   }
   const VectorXd shift = C_FS * C_SS.ldlt().solve(excess);
-  if (!shift.allFinite()) return;
+  for (Index f = 0; f < shift.size(); ++f) {
+    if (!IsPossible(fit, output, free[f], shift[f])) return;
+  }
   for (Index s = 0; s < count; ++s) {
     ParameterEstimate& parameter = *parameters.all[held[s]];
     parameter.value = parameter.initial;

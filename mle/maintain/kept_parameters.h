@@ -17,7 +17,8 @@
 
 namespace mle {
 
-// An element of which nothing would be left to change is left as it is.
+// An element of which nothing would be left to change is left as it is, and so
+// is an output of which a time would be negative or a gain change its sign.
 void KeepUnchangedParameters(OutputErrorFit& fit);
 
 }  // namespace mle

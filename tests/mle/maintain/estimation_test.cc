@@ -54,8 +54,9 @@ TEST(EstimationTest, TheCalibratedTestDecidesWhereChiSquareWouldPropose) {
 
   const Estimate naive = estimate(between, ChangeTest::kChiSquare);
   EXPECT_TRUE(naive.fit.change_proposed);
-  EXPECT_NE(naive.fit.output_error.corrected.model.element(0, 0).StaticGain(),
-            2.0);
+  EXPECT_NE(
+      naive.fit.output_error.corrected.model.element(0, 0).StepResponse(1.0, 9),
+      Tank(2.0).element(0, 0).StepResponse(1.0, 9));
   const Estimate calibrated = estimate(between, ChangeTest::kCalibrated);
   EXPECT_FALSE(calibrated.fit.change_proposed);
   EXPECT_EQ(
