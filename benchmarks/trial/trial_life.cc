@@ -222,6 +222,13 @@ TrialLife::TrialLife(const TrialPlant& plant, Proposal proposal,
   if (proposal != Proposal::kEstimated) {
     proposed_ = WithChange(plant.model,
                            Propose(proposal, change, plant.model, draws));
+    if (proposal == Proposal::kOneOfTwo) {
+      Change wrong = change;
+      while (wrong.output == change.output) {
+        wrong = DrawChange(plant.model, draws);
+      }
+      proposed_ = WithChange(*proposed_, wrong);
+    }
     return;
   }
   CorrectOptions options;

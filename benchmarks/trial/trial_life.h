@@ -34,11 +34,12 @@ enum class Proposal {
   kOtherElement,    // a change of as much of another element of the output
   kOtherParameter,  // a change of as much of another parameter of the element
   kNothingAged,     // a change of a plant that has not changed
+  kOneOfTwo,        // the true change, and one of another output
 };
-inline constexpr int kProposals = 7;
+inline constexpr int kProposals = 8;
 inline constexpr std::array<const char*, kProposals> kProposalNames = {
     "estimated",     "half",            "twice",         "opposite sign",
-    "other element", "other parameter", "nothing aged"};
+    "other element", "other parameter", "nothing aged",  "one of two"};
 
 inline constexpr int kDisturbances = 6;
 inline constexpr std::array<const char*, kDisturbances> kDisturbanceNames = {

@@ -32,6 +32,8 @@ constexpr double kHorizons[] = {0.04, 0.2, 0.6};
 constexpr double kSameResponse = 1e-3;
 // Windows' lengths at rest before any response is judged.
 constexpr double kLeastAtRest = 5.0;
+// The same of all rows, where there is too little rest.
+constexpr double kLeastOfAll = 20.0;
 // Share of the rows of a response that must be known.
 constexpr double kLeastKnown = 0.8;
 constexpr double kRidge = 1e-3;
@@ -97,6 +99,32 @@ MatrixXd MovingShapes(const MatrixXd& shapes) {
 
 VectorXd ZeroUnknown(const VectorXd& values) {
   return values.array().isFinite().select(values, 0.0);
+}
+
+// What set points drive of the residuals in a response.
+struct Left {
+  double in_use = 0.0;
+  double proposed = 0.0;
+  int shapes = 0;
+};
+
+// Without the eighth of the responses in which the proposed model leaves most:
+// a disturbance that comes in one by chance is not the model's.
+void TakeShare(std::vector<Left> left, TrialVerdict& verdict) {
+  std::sort(left.begin(), left.end(), [](const Left& a, const Left& b) {
+    return a.proposed < b.proposed;
+  });
+  left.resize(left.size() - left.size() / 8);
+  Left sum;
+  for (const Left& response : left) {
+    sum.in_use += response.in_use;
+    sum.proposed += response.proposed;
+    sum.shapes += response.shapes;
+  }
+  if (!(sum.in_use > 0.0)) return;
+  verdict.left_share = std::max(sum.proposed, 0.0) / sum.in_use;
+  // Of χ² with as many degrees of freedom.
+  verdict.left_error = std::sqrt(2.0 * sum.shapes) / sum.in_use;
 }
 
 }  // namespace
@@ -201,40 +229,46 @@ absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
   const Variogram nothing = {VectorXd::Zero(window - 1),
                              VectorXd::Zero(window - 1)};
   state.noise.assign(models.outputs.size(), nothing);
+  state.always = state.noise;
   const std::vector<double> zeros(trial.horizons_.size(), 0.0);
   state.losses.assign(models.outputs.size(), {zeros, zeros, zeros});
   return trial;
 }
 
-void ModelTrial::AddAtRest() {
+void ModelTrial::AddLosses() {
   const Index newest = state_.in_use.cols() - 1;
-  const std::int64_t row = state_.rows - 1;
   for (std::size_t i = 0; i < models_.outputs.size(); ++i) {
     const auto at = static_cast<Index>(i);
-    const auto square = [&](const MatrixXd& of, Index l) {
-      const double change = of(at, newest) - of(at, newest - l);
-      return change * change;
-    };
+    StepLosses& losses = state_.losses[i];
     for (std::size_t h = 0; h < horizons_.size(); ++h) {
-      const Index l = horizons_[h];
-      if (l > newest || l > row) continue;
-      const double in_use = square(state_.in_use, l);
-      const double proposed = square(state_.proposed, l);
+      const Index before = newest - horizons_[h];
+      if (before < 0) continue;
+      const double in_use =
+          state_.in_use(at, newest) - state_.in_use(at, before);
+      const double proposed =
+          state_.proposed(at, newest) - state_.proposed(at, before);
       if (!std::isfinite(in_use) || !std::isfinite(proposed)) continue;
-      state_.losses[i].in_use[h] += in_use;
-      state_.losses[i].proposed[h] += proposed;
-      state_.losses[i].counts[h] += 1.0;
+      losses.in_use[h] += in_use * in_use;
+      losses.proposed[h] += proposed * proposed;
+      losses.counts[h] += 1.0;
     }
-    const std::int64_t rest = row - std::max<std::int64_t>(
-                                        state_.last_move + after_ + 1, 0);
-    const Index longest = std::min<std::int64_t>(
-        {rest, newest, state_.noise[i].sums.size()});
-    for (Index l = 1; l <= longest; ++l) {
-      const double change =
-          0.5 * (state_.in_use(at, newest) - state_.in_use(at, newest - l) +
-                 state_.proposed(at, newest) - state_.proposed(at, newest - l));
+  }
+}
+
+void ModelTrial::AddNoise() {
+  const MatrixXd middle = 0.5 * (state_.in_use + state_.proposed);
+  const Index newest = middle.cols() - 1;
+  const std::int64_t rest = state_.rows - 1 - (state_.last_move + after_ + 1);
+  for (std::size_t i = 0; i < models_.outputs.size(); ++i) {
+    const auto at = static_cast<Index>(i);
+    for (Index l = 1; l <= newest; ++l) {
+      const double change = middle(at, newest) - middle(at, newest - l);
       if (!std::isfinite(change)) continue;
-      state_.noise[i].sums(l - 1) += 0.5 * change * change;
+      const double square = 0.5 * change * change;
+      state_.always[i].sums(l - 1) += square;
+      state_.always[i].counts(l - 1) += 1.0;
+      if (l > rest) continue;
+      state_.noise[i].sums(l - 1) += square;
       state_.noise[i].counts(l - 1) += 1.0;
     }
   }
@@ -258,7 +292,6 @@ TrialResponse ModelTrial::Compare(Index begin, Index length) const {
   normal.diagonal().array() += 1e-9 * size;
   const MatrixXd driven =
       normal.ldlt().solve(state_.moments).transpose() * shapes;  // z
-  const double share = state_.adopted ? 0.5 : options_.right_share;
   for (std::size_t i = 0; i < r; ++i) {
     const auto at = static_cast<Index>(i);
     const VectorXd in_use = state_.in_use.row(at).segment(begin, length);
@@ -269,11 +302,15 @@ TrialResponse ModelTrial::Compare(Index begin, Index length) const {
       known[k] = std::isfinite(in_use(k)) && std::isfinite(proposed(k));
       count += known[k] ? 1.0 : 0.0;
     }
-    const Variogram& noise = state_.noise[i];
-    const double rest =
-        noise.counts(length - 2) / static_cast<double>(length);
+    const auto windows = [&](const Variogram& noise) {
+      return noise.counts(length - 2) / static_cast<double>(length);
+    };
+    const Variogram& noise = windows(state_.noise[i]) >= kLeastAtRest
+                                 ? state_.noise[i]
+                                 : state_.always[i];
+    const double rest = windows(noise);
     if (count < kLeastKnown * static_cast<double>(length) ||
-        rest < kLeastAtRest) {
+        rest < (&noise == &state_.noise[i] ? kLeastAtRest : kLeastOfAll)) {
       continue;
     }
     const MatrixXd loss = LossMatrix(noise, known);
@@ -282,11 +319,12 @@ TrialResponse ModelTrial::Compare(Index begin, Index length) const {
     const ExplainedLoss of_in_use = ExplainLoss(loss, count - 1.0, moving, e0);
     const ExplainedLoss of_proposed =
         ExplainLoss(loss, count - 1.0, moving, e1);
+    response.shapes += static_cast<int>(moving.rows());
     response.in_use[i] = of_in_use.explained;
     response.proposed[i] = of_proposed.explained;
     const VectorXd z = driven.row(at).transpose();
     const VectorXd weights = loss * z;
-    response.gains[i] = weights.dot((1.0 - share) * e0 + share * e1);
+    response.gains[i] = 0.5 * weights.dot(e0 + e1);
     response.sizes[i] = std::max(weights.dot(z), 0.0);
     const double more =
         std::max(1.0, std::min(of_in_use.unusual, of_proposed.unusual));
@@ -330,7 +368,8 @@ void ModelTrial::AddRow(const TrialRows& rows, Index k, bool judge) {
     state_.last_move = row;
     if (state_.response < 0 && row >= before_) state_.response = row;
   }
-  AddAtRest();
+  AddLosses();
+  AddNoise();
   if (state_.response < 0) {
     LearnFrom(state_.shapes.cols() - 1);
     return;
@@ -415,63 +454,70 @@ void ModelTrial::Adopt() {
 
 TrialVerdict ModelTrial::verdict() const {
   TrialVerdict verdict;
+  const std::size_t r = models_.outputs.size();
   TrialEvidence better;
   TrialEvidence worse;
-  const double limit = -std::log(options_.level);
-  const double share = state_.adopted ? 0.5 : options_.right_share;
-  double left_in_use = 0.0;
-  double left_proposed = 0.0;
-  TrialAdvice advice =
-      state_.adopted ? TrialAdvice::kKeep : TrialAdvice::kWait;
-  int judged = 0;
+  std::vector<TrialEvidence> worse_outputs(r);
+  std::vector<Left> left;
+  verdict.advice = state_.adopted ? TrialAdvice::kKeep : TrialAdvice::kWait;
   for (const TrialResponse& response : state_.responses) {
     verdict.changes += response.changes;
+    ++verdict.responses;
     if (!response.judged()) {
       ++verdict.not_judged;
       continue;
     }
-    ++judged;
-    const double expected = (1.0 - share) * response.size();
-    better.Add(response.difference(), expected);
-    worse.Add(-response.difference(), expected);
-    for (std::size_t i = 0; i < response.in_use.size(); ++i) {
-      left_in_use += response.in_use[i];
-      left_proposed += response.proposed[i];
+    better.Add(response.difference(), 0.5 * response.size());
+    worse.Add(-response.difference(), 0.5 * response.size());
+    double against = 0.0;
+    for (std::size_t i = 0; i < r; ++i) {
+      if (response.deviations[i] > 0.0) {
+        worse_outputs[i].Add(-response.gains[i] / response.deviations[i],
+                             0.5 * response.sizes[i] / response.deviations[i]);
+      }
+      against += std::exp(worse_outputs[i].log()) / static_cast<double>(r);
     }
-    verdict.evidence.push_back({response.time, better.log(), worse.log()});
-    if (judged < options_.least_changes) continue;
-    const bool is_better = better.log() >= limit;
-    if (state_.adopted) {
-      if (is_better) advice = TrialAdvice::kRollBack;
-      continue;
-    }
-    if (advice == TrialAdvice::kDrop) continue;
-    if (worse.log() >= limit) {
-      advice = TrialAdvice::kDrop;
-    } else if (is_better &&
-               left_proposed <= options_.left_share * left_in_use) {
-      advice = TrialAdvice::kAdopt;
-    } else if (advice == TrialAdvice::kWait &&
-               judged >= options_.most_changes) {
-      advice = TrialAdvice::kDrop;
-    }
+    against = 0.5 * (against + std::exp(worse.log()));
+    left.push_back({.in_use = SumOf(response.in_use),
+                    .proposed = SumOf(response.proposed),
+                    .shapes = response.shapes});
+    TakeShare(left, verdict);
+    verdict.evidence.push_back(
+        {response.time, better.log(), std::log(against)});
+    verdict.advice = Advise(verdict);
   }
-  verdict.advice = advice;
-  verdict.responses = static_cast<int>(state_.responses.size());
-  if (left_in_use > 0.0) {
-    verdict.left_share = std::max(left_proposed, 0.0) / left_in_use;
-  }
-  double in_use = 0.0;
-  double proposed = 0.0;
+  double count = 0.0;
+  double ratios = 0.0;
   for (const StepLosses& losses : state_.losses) {
     for (std::size_t h = 0; h < losses.counts.size(); ++h) {
       if (!(losses.in_use[h] > 0.0)) continue;
-      in_use += 1.0;
-      proposed += losses.proposed[h] / losses.in_use[h];
+      count += 1.0;
+      ratios += losses.proposed[h] / losses.in_use[h];
     }
   }
-  if (in_use > 0.0) verdict.loss_ratio = std::sqrt(proposed / in_use);
+  if (count > 0.0) verdict.loss_ratio = std::sqrt(ratios / count);
   return verdict;
+}
+
+// What follows from the last evidence, the advice before it, and the rest.
+TrialAdvice ModelTrial::Advise(const TrialVerdict& verdict) const {
+  const int judged = verdict.responses - verdict.not_judged;
+  const double limit = -std::log(options_.level);
+  const TrialEvidencePoint& last = verdict.evidence.back();
+  if (judged < options_.least_changes) return verdict.advice;
+  if (state_.adopted) {
+    return last.log_for >= limit ? TrialAdvice::kRollBack : verdict.advice;
+  }
+  if (verdict.advice == TrialAdvice::kDrop) return verdict.advice;
+  if (last.log_against >= limit) return TrialAdvice::kDrop;
+  if (last.log_for >= limit &&
+      verdict.left_share <= options_.left_share + verdict.left_error) {
+    return TrialAdvice::kAdopt;
+  }
+  return verdict.advice == TrialAdvice::kWait &&
+                 judged >= options_.most_changes
+             ? TrialAdvice::kDrop
+             : verdict.advice;
 }
 
 }  // namespace mle

@@ -5,40 +5,44 @@
 // proposed one and x = e⁰ − e¹ = (M¹ − M⁰)u, the losses of their predictions
 // several steps ahead (change_window.h) differ by
 //
-//   L(e⁰) − L(e¹) = 2 xᵀA (e⁰ + e¹)/2.
+//   L(e⁰) − L(e¹) = 2 xᵀW (e⁰ + e¹)/2.
 //
 // In closed loop inputs answer disturbances, so that x and the disturbance in e
 // are correlated, and a wrong model can have the smaller loss. Set points answer
 // nothing: with z, what set points drive of x,
 //
-//   D = zᵀA (e⁰ − γ x),
+//   D = zᵀW (e⁰ + e¹)/2,
 //
-// is linear in the disturbance, which z does not depend on, and where the true
-// change is a x the mean of D is (a − γ) zᵀA z. γ = ½ asks whether the loss in
-// what set points drive falls, larger ones ask for more (right_share). z comes
-// from the responses before this one: x is regressed on shapes of set points
-// (set_point_shapes.h). Each change of a set point, with what follows it until
-// the plant has settled, gives one D of each output, and
+// is linear in the disturbance, which z does not depend on; where the true
+// change is a x, its mean is (a − ½) zᵀW z: half of the difference of the losses
+// in what set points drive. z comes from the rows before this response: x is
+// regressed on shapes of set points (set_point_shapes.h). Each change of a set
+// point, with what follows it until the plant has settled, gives one D of each
+// output whose model would change, and
 //
-//   X = Σ D / Σ σ(D)
+//   X = Σ D / Σ σ(D),   σ²(D) = zᵀW z
 //
-// over the outputs whose model would change, σ² from the variogram of both
-// residuals at rest, for as many rows as there were, and larger where the
-// response shows more noise. The evidence for the proposed model is that of X,
-// against it that of −X (trial_evidence.h):
+// over these outputs, σ larger for a short rest before, and where the response
+// shows more noise than the rest did. The evidence for the proposed model is
+// that of X (trial_evidence.h), against it the mean of that of −X and those of
+// the outputs alone:
 //
-//   adopt  where E ≥ 1/α, the proposed model leaves at most κ of what set points
-//          drive of e⁰, and no output has become worse;
-//   drop   where E of −X ≥ 1/α, or after most_changes;
+//   adopt  where E for it ≥ 1/α, and it leaves at most κ of what set points
+//          drive of e⁰ (what shapes of set points explain, without the eighth
+//          of the responses in which it leaves most), but for a standard error;
+//   drop   where E against it ≥ 1/α, or after most_changes;
 //   wait   otherwise.
 //
 // After the proposed model was adopted the same goes on with the models
-// exchanged, γ = ½ and evidence from zero: at E ≥ 1/α the advice is to roll
-// back.
+// exchanged and evidence from zero: the advice is to roll back where E for the
+// former model ≥ 1/α, whatever it leaves, and to keep the new one otherwise.
 //
-// The level rests on this: disturbances do not come with set points and are
-// independent from response to response, and the plant is linear. A record's
-// first settling times are used up by what inputs did before.
+// The level rests on this: the plant is linear, disturbances do not come with
+// set points and are independent from response to response, and D has no heavier
+// tails than trial_evidence.h allows. Noise is that of rows at rest, a settling
+// time and more after the last change; where set points never rest, that of all
+// rows, in which errors of the models count as noise. A record's first settling
+// time is used up by what inputs did before.
 //
 //   MLE_ASSIGN_OR_RETURN(ModelTrial trial,
 //                        ModelTrial::Create(in_use, proposed, 1.0, {}));
@@ -71,13 +75,14 @@ namespace mle {
 struct TrialResponse {
   double time = 0.0;  // of its end
   int changes = 1;    // of set points
-  // Of each output whose model changes: D, zᵀWz and σ(D); what set points drive
-  // of the residuals of the model in use and of the proposed one.
+  // Of each output whose model changes: D, zᵀWz, σ(D); what set points drive of
+  // the residuals of the model in use and of the proposed one.
   std::vector<double> gains = {};
   std::vector<double> sizes = {};
   std::vector<double> deviations = {};
   std::vector<double> in_use = {};
   std::vector<double> proposed = {};
+  int shapes = 0;  // of set points, in all outputs that are judged
 
   // Whether there was noise at rest to compare it with, and z.
   bool judged() const;
@@ -114,7 +119,8 @@ struct TrialState {
   Eigen::MatrixXd normal;
   Eigen::MatrixXd moments;
   // r each.
-  std::vector<Variogram> noise;
+  std::vector<Variogram> noise;   // at rest
+  std::vector<Variogram> always;  // of all rows
   std::vector<StepLosses> losses;
   // Those of the trial, and since the adoption.
   std::vector<TrialResponse> before;
@@ -130,7 +136,7 @@ std::string_view NameOf(TrialAdvice advice);
 struct TrialEvidencePoint {
   double time = 0.0;
   double log_for = 0.0;      // ln E for the proposed model
-  double log_against = 0.0;  // ln E of the opposite
+  double log_against = 0.0;  // ln E against it
 };
 
 struct TrialVerdict {
@@ -140,8 +146,10 @@ struct TrialVerdict {
   int responses = 0;   // that they are
   int not_judged = 0;  // of these
   // The share of what set points drive of the residuals of the model in use
-  // that the proposed one leaves; 1 where they drive nothing.
+  // that the proposed one leaves, and its standard error by noise; 1 where they
+  // drive nothing.
   double left_share = 1.0;
+  double left_error = 0.0;
   // The root of the ratio of losses, proposed over in use, on all rows.
   double loss_ratio = 1.0;
 };
@@ -183,8 +191,10 @@ class ModelTrial {
   ModelTrial() = default;
   absl::Status Use(const Record& record, int first, bool judge);
   void AddRow(const TrialRows& rows, Eigen::Index k, bool judge);
-  void AddAtRest();
+  void AddNoise();
+  void AddLosses();
   void EndResponse(bool judge);
+  TrialAdvice Advise(const TrialVerdict& verdict) const;
   // The evidence of the last response in rows [begin, end of the buffer).
   TrialResponse Compare(Eigen::Index begin, Eigen::Index length) const;
   // Of a column of the last rows.

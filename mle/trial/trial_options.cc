@@ -8,10 +8,6 @@ absl::Status TrialOptions::Validate() const {
   if (!(level > 0.0 && level < 1.0)) {
     return InvalidArgument("trial: level is ", level, "; it must be in (0, 1)");
   }
-  if (!(right_share >= 0.5 && right_share < 1.0)) {
-    return InvalidArgument("trial: right_share is ", right_share,
-                           "; it must be in [0.5, 1)");
-  }
   if (!(left_share > 0.0)) {
     return InvalidArgument("trial: left_share is ", left_share,
                            "; it must be > 0");

@@ -8,15 +8,14 @@
 namespace mle {
 
 struct TrialOptions {
-  // α in (0, 1): the probability of ever adopting, dropping or rolling back
-  // where the mean of the differences says the opposite.
+  // α in (0, 1): the probability of ever adopting a model that is no better, of
+  // dropping one that is no worse in any output, and of rolling back to one
+  // that is no better, each.
   double level = 0.01;
-  // γ in [0.5, 1): the share of the proposed change that must be right. At 0.5
-  // a change of twice the true size is as good as none.
-  double right_share = 0.6;
   // κ > 0: adopted is a model that leaves at most this share of what set points
-  // drive of the residuals of the model in use.
-  double left_share = 0.2;
+  // drive of the residuals of the model in use. One with twice the true change
+  // leaves as much, one with half of it a quarter.
+  double left_share = 0.05;
   // Responses to changes of set points that a decision rests on, ≥ 2.
   int least_changes = 2;
   // A model that is not adopted by then is dropped, ≥ least_changes.
