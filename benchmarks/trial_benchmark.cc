@@ -1,14 +1,15 @@
 // trial_benchmark SET LIVES FIRST_SEED [LEVEL LEFT_SHARE]: how
-// often a trial adopts a model that is worse than the one in use, after how many
-// changes of set points it adopts one that is better, how many of these it
+// often a trial adopts a model that is worse than the one in use, after how
+// many changes of set points it adopts one that is better, how many of these it
 // loses, and how it rolls back.
 //
 // SET: `tuning` or `reporting`, which have other plants. Half of the lives have
 // a correction that was estimated from a record, the others one that is drawn
 // right or wrong (benchmarks/trial/trial_life.h). A model is worse where E, or
-// the cost of control, is larger with it, the cost by more than 1 %. After adoption the plant stays as it
-// is, or, in every other life, is what it was before it aged. Models that are
-// not adopted are taken into use nevertheless, to see them rolled back.
+// the cost of control, is larger with it, the cost by more than 1 %. After
+// adoption the plant stays as it is, or, in every other life, is what it was
+// before it aged. Models that are not adopted are taken into use nevertheless,
+// to see them rolled back.
 
 #include <algorithm>
 #include <cmath>
@@ -101,9 +102,8 @@ void RunInUse(const TrialPlant& plant, const TrialLife& life, ModelTrial trial,
               Outcome& outcome) {
   trial.Adopt();
   for (int day = kTrialDays; day < kTrialDays + kDaysInUse; ++day) {
-    const Record record =
-        life.Day(*life.proposed(),
-                 outcome.went_back ? plant.model : life.truth(), day);
+    const Record record = life.Day(
+        *life.proposed(), outcome.went_back ? plant.model : life.truth(), day);
     if (record.samples() == 0) {  // Switched off by the operators.
       outcome.rolled_back = 0;
       return;
@@ -153,16 +153,19 @@ Outcome RunLife(const TrialPlant& plant, Proposal proposal, std::uint64_t seed,
     if (verdict.advice != TrialAdvice::kWait) break;
   }
   if (std::getenv("TRIAL_X") != nullptr) {
-    std::string text = std::string(kProposalNames[static_cast<int>(proposal)]) + " " + kDisturbanceNames[outcome.disturbance] + " " + plant.model.name() + ":";
+    std::string text = std::string(kProposalNames[static_cast<int>(proposal)]) +
+                       " " + kDisturbanceNames[outcome.disturbance] + " " +
+                       plant.model.name() + ":";
     for (const TrialResponse& r : trial.state().responses) {
       char buffer[200];
-      std::snprintf(buffer, sizeof buffer, " [%.2f of %.2f s %.2g; %.3g %.3g]", r.difference(), r.size(), r.deviations[0], r.in_use[0], r.proposed[0]);
+      std::snprintf(buffer, sizeof buffer, " [%.2f of %.2f s %.2g; %.3g %.3g]",
+                    r.difference(), r.size(), r.deviations[0], r.in_use[0],
+                    r.proposed[0]);
       text += buffer;
     }
     std::printf("%s\n", text.c_str());
   }
-  outcome.went_back =
-      proposal != Proposal::kNothingAged && (seed / 5) % 2 == 0;
+  outcome.went_back = proposal != Proposal::kNothingAged && (seed / 5) % 2 == 0;
   RunInUse(plant, life, std::move(trial), outcome);
   return outcome;
 }
@@ -213,8 +216,9 @@ void PrintInUse(const char* name, const std::vector<Outcome>& outcomes) {
   for (const Outcome& outcome : outcomes) {
     if (outcome.rolled_back != kNever) changes.push_back(outcome.rolled_back);
   }
-  std::printf("%-42s %5zu lives, %5zu rolled back, after %.0f changes (median)\n",
-              name, outcomes.size(), changes.size(), Median(changes));
+  std::printf(
+      "%-42s %5zu lives, %5zu rolled back, after %.0f changes (median)\n", name,
+      outcomes.size(), changes.size(), Median(changes));
 }
 
 void Print(const std::vector<Outcome>& all) {
@@ -234,7 +238,8 @@ void Print(const std::vector<Outcome>& all) {
                return o.disturbance == k;
              }));
   }
-  PrintRow("better by E", Those(tried, [](const Outcome& o) { return o.better; }));
+  PrintRow("better by E",
+           Those(tried, [](const Outcome& o) { return o.better; }));
   PrintRow("all", tried);
   const std::vector<Outcome> right = Those(tried, [](const Outcome& o) {
     return o.proposal == Proposal::kEstimated && o.better;
@@ -247,27 +252,29 @@ void Print(const std::vector<Outcome>& all) {
       changes.push_back(outcome.changes);
     }
   }
-  std::printf("right corrections: %zu, lost %d, adopted after %.0f changes "
-              "(median)\n", right.size(), lost, Median(changes));
+  std::printf(
+      "right corrections: %zu, lost %d, adopted after %.0f changes "
+      "(median)\n",
+      right.size(), lost, Median(changes));
   PrintInUse("adopted, the plant stays", Those(tried, [](const Outcome& o) {
                return o.advice == TrialAdvice::kAdopt && !o.went_back;
              }));
   PrintInUse("adopted, the plant goes back", Those(tried, [](const Outcome& o) {
                return o.advice == TrialAdvice::kAdopt && o.went_back;
              }));
-  PrintInUse("worse, taken into use nevertheless",
-             Those(tried, [](const Outcome& o) {
-               return !o.better && !o.went_back;
-             }));
+  PrintInUse(
+      "worse, taken into use nevertheless",
+      Those(tried, [](const Outcome& o) { return !o.better && !o.went_back; }));
   if (std::getenv("TRIAL_VERBOSE") != nullptr) {
     for (const Outcome& o : tried) {
-      std::printf("%s,%s,E %.3f,cost %.3f,%s,%d,left %.3f,lnE %.2f,losses %s %d,back %d %d\n",
-                  kProposalNames[static_cast<int>(o.proposal)],
-                  kDisturbanceNames[o.disturbance], o.distance_ratio,
-                  o.cost_ratio, std::string(NameOf(o.advice)).c_str(),
-                  o.changes, o.left_share, o.log_for,
-                  std::string(NameOf(o.by_losses)).c_str(),
-                  o.changes_by_losses, o.went_back, o.rolled_back);
+      std::printf(
+          "%s,%s,E %.3f,cost %.3f,%s,%d,left %.3f,lnE %.2f,losses %s %d,back "
+          "%d %d\n",
+          kProposalNames[static_cast<int>(o.proposal)],
+          kDisturbanceNames[o.disturbance], o.distance_ratio, o.cost_ratio,
+          std::string(NameOf(o.advice)).c_str(), o.changes, o.left_share,
+          o.log_for, std::string(NameOf(o.by_losses)).c_str(),
+          o.changes_by_losses, o.went_back, o.rolled_back);
     }
   }
 }
@@ -276,17 +283,16 @@ std::vector<TrialPlant> PlantsOf(const std::string& set) {
   const std::string configs = MLE_CONFIG_DIR;
   const std::string plants = MLE_PLANT_DIR;
   if (set == "tuning") {
-    return {ReadTrialPlant(configs + "/wood_berry.json", {1, 1}, 0.5, 1, 30),
-            ReadTrialPlant(plants + "/two_by_two.json", {1, 1}, 0.4, 1.2, 30),
-            ReadTrialPlant(plants + "/three_by_three.json", {1, 1, 1}, 2, 6,
-                           30)};
+    return {
+        ReadTrialPlant(configs + "/wood_berry.json", {1, 1}, 0.5, 1, 30),
+        ReadTrialPlant(plants + "/two_by_two.json", {1, 1}, 0.4, 1.2, 30),
+        ReadTrialPlant(plants + "/three_by_three.json", {1, 1, 1}, 2, 6, 30)};
   }
-  return {
-      ReadTrialPlant(plants + "/vinante_luyben.json", {1, 1}, 0.2, 0.6, 40),
-      ReadTrialPlant(configs + "/splitter.json", {0.5, 0.5, 2}, 1, 2, 40),
-      ReadTrialPlant(plants + "/wardle_wood.json", {0.1, 0.1}, 2, 6, 30),
-      ReadTrialPlant(plants + "/ogunnaike_ray.json", {0.5, 0.5, 10}, 0.5, 1,
-                     40)};
+  return {ReadTrialPlant(plants + "/vinante_luyben.json", {1, 1}, 0.2, 0.6, 40),
+          ReadTrialPlant(configs + "/splitter.json", {0.5, 0.5, 2}, 1, 2, 40),
+          ReadTrialPlant(plants + "/wardle_wood.json", {0.1, 0.1}, 2, 6, 30),
+          ReadTrialPlant(plants + "/ogunnaike_ray.json", {0.5, 0.5, 10}, 0.5, 1,
+                         40)};
 }
 
 }  // namespace
@@ -314,10 +320,9 @@ int main(int argc, char** argv) {
   mle::ParallelFor(lives, /*threads=*/0, [&](int r) {
     const auto seed = first + static_cast<std::uint64_t>(r);
     const auto kind = static_cast<int>(seed % 15);
-    const auto proposal =
-        static_cast<Proposal>(kind < kProposals ? kind : 0);
-    outcomes[r] = RunLife(plants[(seed / 15) % plants.size()], proposal, seed,
-                          options);
+    const auto proposal = static_cast<Proposal>(kind < kProposals ? kind : 0);
+    outcomes[r] =
+        RunLife(plants[(seed / 15) % plants.size()], proposal, seed, options);
   });
   Print(outcomes);
   return 0;

@@ -220,8 +220,8 @@ TrialLife::TrialLife(const TrialPlant& plant, Proposal proposal,
       Simulate(plant.model, truth_, profile,
                plant.settling * (2.4 * p + kQuietSettlings), kRunStream);
   if (proposal != Proposal::kEstimated) {
-    proposed_ = WithChange(plant.model,
-                           Propose(proposal, change, plant.model, draws));
+    proposed_ =
+        WithChange(plant.model, Propose(proposal, change, plant.model, draws));
     if (proposal == Proposal::kOneOfTwo) {
       Change wrong = change;
       while (wrong.output == change.output) {
@@ -243,8 +243,7 @@ TrialLife::TrialLife(const TrialPlant& plant, Proposal proposal,
 Record TrialLife::Simulate(const ProcessModel& model, const ProcessModel& truth,
                            const sim::SetPointProfile& profile, double duration,
                            std::uint64_t stream) const {
-  absl::StatusOr<control::Mpc> mpc =
-      control::Mpc::Create(model, plant_.tuning);
+  absl::StatusOr<control::Mpc> mpc = control::Mpc::Create(model, plant_.tuning);
   CHECK(mpc.ok()) << mpc.status();
   sim::ClosedLoopOptions loop;
   loop.sample_time = plant_.sample_time;
@@ -270,13 +269,12 @@ Record TrialLife::Day(const ProcessModel& model, const ProcessModel& truth,
   Draws draws(seed_, kWatchStream + stream);
   sim::SetPointProfile profile;
   if (draws.Uniform(0.0, 1.0) < 0.5) {
-    profile.steps = {
-        {.output = draws.Below(plant_.model.num_outputs()),
-         .time = plant_.settling * draws.Uniform(1.5, 4.0),
-         .value = draws.Sign() * draws.Uniform(0.5, 1.0)}};
+    profile.steps = {{.output = draws.Below(plant_.model.num_outputs()),
+                      .time = plant_.settling * draws.Uniform(1.5, 4.0),
+                      .value = draws.Sign() * draws.Uniform(0.5, 1.0)}};
   }
-  Record record = Simulate(model, truth, profile,
-                           kDaySettlings * plant_.settling, stream);
+  Record record =
+      Simulate(model, truth, profile, kDaySettlings * plant_.settling, stream);
   // Days do not follow each other: each begins at rest.
   record.start_time = 2.0 * kDaySettlings * plant_.settling * day;
   return record;
@@ -292,9 +290,8 @@ double TrialLife::ControlCost(const ProcessModel& model) const {
     sim::ClosedLoopOptions loop;
     loop.sample_time = plant_.sample_time;
     loop.control_period = plant_.tuning.control_period;
-    loop.duration =
-        std::floor(3.0 * plant_.settling / loop.control_period) *
-        loop.control_period;
+    loop.duration = std::floor(3.0 * plant_.settling / loop.control_period) *
+                    loop.control_period;
     loop.noise_variance = 0.0;
     sim::SetPointProfile profile;
     sim::PlantConditions conditions;

@@ -38,8 +38,9 @@ enum class Proposal {
 };
 inline constexpr int kProposals = 8;
 inline constexpr std::array<const char*, kProposals> kProposalNames = {
-    "estimated",     "half",            "twice",         "opposite sign",
-    "other element", "other parameter", "nothing aged",  "one of two"};
+    "estimated",     "half",          "twice",
+    "opposite sign", "other element", "other parameter",
+    "nothing aged",  "one of two"};
 
 inline constexpr int kDisturbances = 6;
 inline constexpr std::array<const char*, kDisturbances> kDisturbanceNames = {

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "Eigen/Cholesky"
 #include "mle/base/status.h"
 #include "mle/maintain/correct.h"
 #include "mle/trial/set_point_shapes.h"
-#include "mle/trial/trial_evidence.h"
 
 namespace mle {
 namespace {
@@ -20,7 +18,7 @@ using Eigen::VectorXd;
 
 // Rows of a settling time, which is five slowest time constants.
 constexpr double kRowsOfSettling = 40.0;
-constexpr double kRowsOfTimeConstant = kRowsOfSettling / 5.0;
+constexpr double kTimeConstants = 5.0;  // of a settling time
 // Time constant of the shapes over the slowest one.
 constexpr double kShapeTime = 0.6;
 // Of a settling time: what is used before a change and after it.
@@ -30,13 +28,9 @@ constexpr double kAfter = 1.25;
 constexpr double kHorizons[] = {0.04, 0.2, 0.6};
 // Elements change where their step responses differ by more than this.
 constexpr double kSameResponse = 1e-3;
-// Windows' lengths at rest before any response is judged.
-constexpr double kLeastAtRest = 5.0;
-// The same of all rows, where there is too little rest.
-constexpr double kLeastOfAll = 20.0;
-// Share of the rows of a response that must be known.
-constexpr double kLeastKnown = 0.8;
+// Of the regression on shapes: a share of each, and of the largest.
 constexpr double kRidge = 1e-3;
+constexpr double kLeastShape = 1e-9;
 constexpr double kMostRows = 1e6;
 
 int InRows(double share, double rows_of_settling) {
@@ -73,10 +67,6 @@ ProcessModel RowsOf(const ProcessModel& model,
   return rows;
 }
 
-double SumOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0);
-}
-
 // The last column of `values` becomes `column`; of more than `most` columns the
 // first goes.
 void Append(const VectorXd& column, Index most, MatrixXd& values) {
@@ -97,66 +87,7 @@ MatrixXd MovingShapes(const MatrixXd& shapes) {
   return shapes(moving, Eigen::all);
 }
 
-VectorXd ZeroUnknown(const VectorXd& values) {
-  return values.array().isFinite().select(values, 0.0);
-}
-
-// What set points drive of the residuals in a response.
-struct Left {
-  double in_use = 0.0;
-  double proposed = 0.0;
-  int shapes = 0;
-};
-
-// Without the eighth of the responses in which the proposed model leaves most:
-// a disturbance that comes in one by chance is not the model's.
-void TakeShare(std::vector<Left> left, TrialVerdict& verdict) {
-  std::sort(left.begin(), left.end(), [](const Left& a, const Left& b) {
-    return a.proposed < b.proposed;
-  });
-  left.resize(left.size() - left.size() / 8);
-  Left sum;
-  for (const Left& response : left) {
-    sum.in_use += response.in_use;
-    sum.proposed += response.proposed;
-    sum.shapes += response.shapes;
-  }
-  if (!(sum.in_use > 0.0)) return;
-  verdict.left_share = std::max(sum.proposed, 0.0) / sum.in_use;
-  // Of χ² with as many degrees of freedom.
-  verdict.left_error = std::sqrt(2.0 * sum.shapes) / sum.in_use;
-}
-
 }  // namespace
-
-bool TrialResponse::judged() const {
-  return std::any_of(deviations.begin(), deviations.end(),
-                     [](double deviation) { return deviation > 0.0; });
-}
-
-double TrialResponse::difference() const {
-  return judged() ? SumOf(gains) / SumOf(deviations) : 0.0;
-}
-
-double TrialResponse::size() const {
-  return judged() ? SumOf(sizes) / SumOf(deviations) : 0.0;
-}
-
-std::string_view NameOf(TrialAdvice advice) {
-  switch (advice) {
-    case TrialAdvice::kWait:
-      return "wait";
-    case TrialAdvice::kAdopt:
-      return "adopt";
-    case TrialAdvice::kDrop:
-      return "drop";
-    case TrialAdvice::kKeep:
-      return "keep";
-    case TrialAdvice::kRollBack:
-      return "roll_back";
-  }
-  return "";
-}
 
 absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
                                               const ProcessModel& proposed,
@@ -200,38 +131,51 @@ absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
       break;
     }
   }
-  RowPlan& plan = trial.plan_;
-  plan.samples = std::max(
-      1, static_cast<int>(settling / (kRowsOfSettling * sample_time)));
-  const double row = plan.samples * sample_time;
-  plan.forgetting = static_cast<int>(std::ceil(settling / sample_time)) + 1;
-  plan.pole = std::exp(-row * kRowsOfSettling /
-                       (settling * kShapeTime * kRowsOfTimeConstant));
-  const double rows_of_settling = settling / row;
-  trial.before_ = InRows(kBefore, rows_of_settling);
-  trial.after_ = InRows(kAfter, rows_of_settling);
+  trial.PlanRows(settling);
+  return trial;
+}
+
+void ModelTrial::PlanRows(double settling) {
+  plan_.samples = std::max(
+      1, static_cast<int>(settling / (kRowsOfSettling * sample_time_)));
+  const double rows = settling / (plan_.samples * sample_time_);
+  plan_.forgetting = static_cast<int>(std::ceil(settling / sample_time_)) + 1;
+  plan_.pole = std::exp(-kTimeConstants / (kShapeTime * rows));
+  before_ = InRows(kBefore, rows);
+  after_ = InRows(kAfter, rows);
   for (const double horizon : kHorizons) {
-    const int rows = InRows(horizon, rows_of_settling);
-    if (trial.horizons_.empty() || rows > trial.horizons_.back()) {
-      trial.horizons_.push_back(rows);
+    const int ahead = InRows(horizon, rows);
+    if (horizons_.empty() || ahead > horizons_.back()) {
+      horizons_.push_back(ahead);
     }
   }
-  const Index window = trial.before_ + 1 + trial.after_;
-  const auto r = static_cast<Index>(models.outputs.size());
-  const Index q = Index{kShapesOfSetPoint} * trial.num_outputs_;
-  TrialState& state = trial.state_;
-  state.shapes.resize(q, 0);
-  state.differences.resize(r, 0);
-  state.in_use.resize(r, 0);
-  state.proposed.resize(r, 0);
-  state.normal.setZero(q, q);
-  state.moments.setZero(q, r);
-  const Variogram nothing = {VectorXd::Zero(window - 1),
-                             VectorXd::Zero(window - 1)};
-  state.noise.assign(models.outputs.size(), nothing);
-  state.always = state.noise;
-  const std::vector<double> zeros(trial.horizons_.size(), 0.0);
-  state.losses.assign(models.outputs.size(), {zeros, zeros, zeros});
+  const auto r = static_cast<Index>(models_.outputs.size());
+  state_.differences.resize(r, 0);
+  state_.in_use.resize(r, 0);
+  state_.proposed.resize(r, 0);
+  const Index lags = before_ + after_;
+  const Variogram nothing = {VectorXd::Zero(lags), VectorXd::Zero(lags)};
+  state_.noise.assign(models_.outputs.size(), nothing);
+  state_.always = state_.noise;
+  const std::vector<double> zeros(horizons_.size(), 0.0);
+  state_.losses.assign(models_.outputs.size(), {zeros, zeros, zeros});
+}
+
+absl::StatusOr<ModelTrial> ModelTrial::Resume(const ProcessModel& in_use,
+                                              const ProcessModel& proposed,
+                                              double sample_time,
+                                              const TrialOptions& options,
+                                              TrialState state) {
+  MLE_ASSIGN_OR_RETURN(ModelTrial trial,
+                       Create(in_use, proposed, sample_time, options));
+  if (!Fits(state, trial.models_.outputs.size(),
+            trial.before_ + 1 + trial.after_, trial.horizons_.size())) {
+    return absl::DataLossError("trial: its state is one of other models");
+  }
+  if (state.adopted) {
+    std::swap(trial.models_.in_use, trial.models_.proposed);
+  }
+  trial.state_ = std::move(state);
   return trial;
 }
 
@@ -275,61 +219,32 @@ void ModelTrial::AddNoise() {
 }
 
 TrialResponse ModelTrial::Compare(Index begin, Index length) const {
-  const std::size_t r = models_.outputs.size();
-  TrialResponse response = {.time = state_.end,
-                            .changes = state_.changes,
-                            .gains = std::vector<double>(r),
-                            .sizes = std::vector<double>(r),
-                            .deviations = std::vector<double>(r),
-                            .in_use = std::vector<double>(r),
-                            .proposed = std::vector<double>(r)};
+  TrialResponse response = {.time = state_.end, .changes = state_.changes};
   const MatrixXd shapes = state_.shapes.middleCols(begin, length);
   const MatrixXd moving = MovingShapes(shapes);
   MatrixXd normal = state_.normal;
   const double size = normal.diagonal().maxCoeff();
-  if (!(size > 0.0) || moving.rows() == 0) return response;
-  normal.diagonal() *= 1.0 + kRidge;
-  normal.diagonal().array() += 1e-9 * size;
-  const MatrixXd driven =
-      normal.ldlt().solve(state_.moments).transpose() * shapes;  // z
-  for (std::size_t i = 0; i < r; ++i) {
+  MatrixXd driven = MatrixXd::Zero(state_.moments.cols(), length);  // z
+  if (size > 0.0) {
+    normal.diagonal() *= 1.0 + kRidge;
+    normal.diagonal().array() += kLeastShape * size;
+    driven = normal.ldlt().solve(state_.moments).transpose() * shapes;
+  }
+  for (std::size_t i = 0; i < models_.outputs.size(); ++i) {
     const auto at = static_cast<Index>(i);
-    const VectorXd in_use = state_.in_use.row(at).segment(begin, length);
-    const VectorXd proposed = state_.proposed.row(at).segment(begin, length);
-    std::vector<bool> known(static_cast<std::size_t>(length));
-    double count = 0.0;
-    for (Index k = 0; k < length; ++k) {
-      known[k] = std::isfinite(in_use(k)) && std::isfinite(proposed(k));
-      count += known[k] ? 1.0 : 0.0;
+    const OutputComparison output =
+        CompareOutput(state_.noise[i], state_.always[i],
+                      state_.in_use.row(at).segment(begin, length),
+                      state_.proposed.row(at).segment(begin, length),
+                      driven.row(at).transpose(), moving);
+    response.gains.push_back(output.gain);
+    response.sizes.push_back(output.size);
+    response.deviations.push_back(output.deviation);
+    response.in_use.push_back(output.in_use);
+    response.proposed.push_back(output.proposed);
+    if (output.deviation > 0.0) {
+      response.shapes += static_cast<int>(moving.rows());
     }
-    const auto windows = [&](const Variogram& noise) {
-      return noise.counts(length - 2) / static_cast<double>(length);
-    };
-    const Variogram& noise = windows(state_.noise[i]) >= kLeastAtRest
-                                 ? state_.noise[i]
-                                 : state_.always[i];
-    const double rest = windows(noise);
-    if (count < kLeastKnown * static_cast<double>(length) ||
-        rest < (&noise == &state_.noise[i] ? kLeastAtRest : kLeastOfAll)) {
-      continue;
-    }
-    const MatrixXd loss = LossMatrix(noise, known);
-    const VectorXd e0 = ZeroUnknown(in_use);
-    const VectorXd e1 = ZeroUnknown(proposed);
-    const ExplainedLoss of_in_use = ExplainLoss(loss, count - 1.0, moving, e0);
-    const ExplainedLoss of_proposed =
-        ExplainLoss(loss, count - 1.0, moving, e1);
-    response.shapes += static_cast<int>(moving.rows());
-    response.in_use[i] = of_in_use.explained;
-    response.proposed[i] = of_proposed.explained;
-    const VectorXd z = driven.row(at).transpose();
-    const VectorXd weights = loss * z;
-    response.gains[i] = 0.5 * weights.dot(e0 + e1);
-    response.sizes[i] = std::max(weights.dot(z), 0.0);
-    const double more =
-        std::max(1.0, std::min(of_in_use.unusual, of_proposed.unusual));
-    response.deviations[i] =
-        std::sqrt(response.sizes[i] * more * rest / (rest - 2.0));
   }
   return response;
 }
@@ -378,6 +293,21 @@ void ModelTrial::AddRow(const TrialRows& rows, Index k, bool judge) {
   if (row - state_.response >= after_) EndResponse(judge);
 }
 
+void ModelTrial::BeginAnew(const TrialRows& rows) {
+  state_.rows = 0;
+  state_.response = state_.last_move = TrialState::kLongAgo;
+  state_.changes = 0;
+  for (Index k = 0; k < rows.first; ++k) {
+    if (rows.changes[static_cast<std::size_t>(k)] > 0) {
+      state_.last_move = k - rows.first;
+    }
+  }
+  for (MatrixXd* values : {&state_.shapes, &state_.differences, &state_.in_use,
+                           &state_.proposed}) {
+    values->conservativeResize(Eigen::NoChange, 0);
+  }
+}
+
 absl::Status ModelTrial::Use(const Record& record, int first, bool judge) {
   MLE_RETURN_IF_ERROR(record.Validate());
   if (record.num_outputs() != num_outputs_ ||
@@ -392,10 +322,6 @@ absl::Status ModelTrial::Use(const Record& record, int first, bool judge) {
                            record.sample_time, ", that of the trial is ",
                            sample_time_);
   }
-  if (record.set_points.size() == 0) {
-    return absl::InvalidArgumentError(
-        "trial: the record has no set points; a trial rests on their changes");
-  }
   if (first < 0 || first > record.samples()) {
     return InvalidArgument("trial: the first sample is ", first,
                            "; the record has ", record.samples());
@@ -403,26 +329,23 @@ absl::Status ModelTrial::Use(const Record& record, int first, bool judge) {
   if (first == record.samples()) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(const TrialRows rows,
                        MakeTrialRows(models_, record, first, plan_));
-  const bool goes_on = state_.rows > 0 && std::abs(record.time(first) -
-                                                   state_.end) <= sample_time_;
-  if (!goes_on) {
-    state_.rows = 0;
-    state_.response = state_.last_move = TrialState::kLongAgo;
-    state_.changes = 0;
-    for (Index k = 0; k < rows.first; ++k) {
-      if (rows.changes[static_cast<std::size_t>(k)] > 0) {
-        state_.last_move = k - rows.first;
-      }
-    }
-    for (MatrixXd* values : {&state_.shapes, &state_.differences,
-                             &state_.in_use, &state_.proposed}) {
-      values->conservativeResize(Eigen::NoChange, 0);
-    }
+  if (state_.normal.size() == 0) {
+    const Index q = rows.shapes.rows();
+    state_.shapes.resize(q, 0);
+    state_.normal.setZero(q, q);
+    state_.moments.setZero(q, state_.in_use.rows());
   }
+  if (state_.normal.rows() != rows.shapes.rows()) {
+    return absl::InvalidArgumentError(
+        "trial: some records have set points, others have not");
+  }
+  const bool goes_on =
+      state_.rows > 0 &&
+      std::abs(record.time(first) - state_.end) <= 1.5 * sample_time_;
+  if (!goes_on) BeginAnew(rows);
   for (Index k = rows.first; k < rows.shapes.cols(); ++k) {
-    const auto end = static_cast<int>(
-        std::min<Index>(first + (k - rows.first + 1) * plan_.samples,
-                        record.samples()));
+    const auto end = static_cast<int>(std::min<Index>(
+        first + (k - rows.first + 1) * plan_.samples, record.samples()));
     state_.end = record.time(end);
     AddRow(rows, k, judge);
   }
@@ -450,74 +373,6 @@ void ModelTrial::Adopt() {
     }
   }
   state_.before = std::exchange(state_.responses, {});
-}
-
-TrialVerdict ModelTrial::verdict() const {
-  TrialVerdict verdict;
-  const std::size_t r = models_.outputs.size();
-  TrialEvidence better;
-  TrialEvidence worse;
-  std::vector<TrialEvidence> worse_outputs(r);
-  std::vector<Left> left;
-  verdict.advice = state_.adopted ? TrialAdvice::kKeep : TrialAdvice::kWait;
-  for (const TrialResponse& response : state_.responses) {
-    verdict.changes += response.changes;
-    ++verdict.responses;
-    if (!response.judged()) {
-      ++verdict.not_judged;
-      continue;
-    }
-    better.Add(response.difference(), 0.5 * response.size());
-    worse.Add(-response.difference(), 0.5 * response.size());
-    double against = 0.0;
-    for (std::size_t i = 0; i < r; ++i) {
-      if (response.deviations[i] > 0.0) {
-        worse_outputs[i].Add(-response.gains[i] / response.deviations[i],
-                             0.5 * response.sizes[i] / response.deviations[i]);
-      }
-      against += std::exp(worse_outputs[i].log()) / static_cast<double>(r);
-    }
-    against = 0.5 * (against + std::exp(worse.log()));
-    left.push_back({.in_use = SumOf(response.in_use),
-                    .proposed = SumOf(response.proposed),
-                    .shapes = response.shapes});
-    TakeShare(left, verdict);
-    verdict.evidence.push_back(
-        {response.time, better.log(), std::log(against)});
-    verdict.advice = Advise(verdict);
-  }
-  double count = 0.0;
-  double ratios = 0.0;
-  for (const StepLosses& losses : state_.losses) {
-    for (std::size_t h = 0; h < losses.counts.size(); ++h) {
-      if (!(losses.in_use[h] > 0.0)) continue;
-      count += 1.0;
-      ratios += losses.proposed[h] / losses.in_use[h];
-    }
-  }
-  if (count > 0.0) verdict.loss_ratio = std::sqrt(ratios / count);
-  return verdict;
-}
-
-// What follows from the last evidence, the advice before it, and the rest.
-TrialAdvice ModelTrial::Advise(const TrialVerdict& verdict) const {
-  const int judged = verdict.responses - verdict.not_judged;
-  const double limit = -std::log(options_.level);
-  const TrialEvidencePoint& last = verdict.evidence.back();
-  if (judged < options_.least_changes) return verdict.advice;
-  if (state_.adopted) {
-    return last.log_for >= limit ? TrialAdvice::kRollBack : verdict.advice;
-  }
-  if (verdict.advice == TrialAdvice::kDrop) return verdict.advice;
-  if (last.log_against >= limit) return TrialAdvice::kDrop;
-  if (last.log_for >= limit &&
-      verdict.left_share <= options_.left_share + verdict.left_error) {
-    return TrialAdvice::kAdopt;
-  }
-  return verdict.advice == TrialAdvice::kWait &&
-                 judged >= options_.most_changes
-             ? TrialAdvice::kDrop
-             : verdict.advice;
 }
 
 }  // namespace mle

@@ -1,7 +1,8 @@
 // Shapes that responses to set points are made of: each set point through
 // discrete Laguerre functions of pole a,
 //
-//   L_1(z) = √(1 − a²)/(1 − a z⁻¹),   L_{l+1}(z) = L_l(z) (z⁻¹ − a)/(1 − a z⁻¹),
+//   L_1(z) = √(1 − a²)/(1 − a z⁻¹),   L_{l+1}(z) = L_l(z) (z⁻¹ − a)/(1 − a
+//   z⁻¹),
 //
 // with its level at the first row taken off. They depend on set points alone,
 // whatever disturbs the plant. Internal to mle/trial.

@@ -33,8 +33,7 @@ void TrialEvidence::Add(double difference, double expected) {
 double TrialEvidence::log() const {
   double sum = 0.0;
   for (const double begun : begun_) sum += begun;
-  return std::log(sum / static_cast<double>(begun_.size()) +
-                  WeightFrom(seen_));
+  return std::log(sum / static_cast<double>(begun_.size()) + WeightFrom(seen_));
 }
 
 }  // namespace mle

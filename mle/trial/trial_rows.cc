@@ -5,6 +5,7 @@
 
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
+#include "mle/data/set_point_windows.h"
 #include "mle/model/process_simulator.h"
 #include "mle/trial/set_point_shapes.h"
 
@@ -67,17 +68,16 @@ MatrixXd MeansOf(const MatrixXd& values, Index offset, Index samples) {
         sum += values(i, l);
         ++count;
       }
-      means(i, k) =
-          count > 0 && 2 * count >= samples ? sum / static_cast<double>(count)
-                                            : kNaN;
+      means(i, k) = count > 0 && 2 * count >= samples
+                        ? sum / static_cast<double>(count)
+                        : kNaN;
     }
   }
   return means;
 }
 
-// Set points that are not known stay; before the first known one, at that.
-MatrixXd HeldSetPoints(const Record& record) {
-  MatrixXd held = record.set_points;
+// Values that are not known stay; before the first known one, at that.
+MatrixXd Held(MatrixXd held) {
   for (Index i = 0; i < held.rows(); ++i) {
     double last = 0.0;
     for (Index k = held.cols(); k-- > 0;) {
@@ -105,12 +105,18 @@ absl::StatusOr<TrialRows> MakeTrialRows(const TrialModels& models,
   };
   TrialRows rows;
   rows.first = (first - offset) / plan.samples;
-  rows.shapes = SetPointShapes(means(HeldSetPoints(record)), plan.pole);
+  const bool by_hand = record.set_points.size() == 0;
+  rows.shapes = SetPointShapes(
+      means(Held(by_hand ? record.inputs : record.set_points)), plan.pole);
   rows.differences = means(simulated.proposed - simulated.in_use);
   rows.in_use = means(measured - simulated.in_use);
   rows.proposed = means(measured - simulated.proposed);
   rows.changes.assign(static_cast<std::size_t>(rows.shapes.cols()), 0);
-  for (const SetPointChange& change : FindSetPointChanges(record)) {
+  // Of inputs those that rest otherwise.
+  const std::vector<SetPointChange> changes =
+      by_hand ? FindChanges({record}, WindowOptions()).front()
+              : FindSetPointChanges(record);
+  for (const SetPointChange& change : changes) {
     const Index row = (change.sample - offset) / plan.samples;
     if (change.sample >= offset) ++rows.changes[static_cast<std::size_t>(row)];
   }

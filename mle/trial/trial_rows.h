@@ -37,7 +37,8 @@ struct TrialRows {
 };
 
 // Rows are means of the samples that are known; where these are less than half
-// of a row, it is not known. A set point that is not known stays.
+// of a row, it is not known. A set point that is not known stays. Where the
+// record has no set points, inputs and their moves by hand stand for them.
 absl::StatusOr<TrialRows> MakeTrialRows(const TrialModels& models,
                                         const Record& record, int first,
                                         const RowPlan& plan);
