@@ -1,0 +1,231 @@
+// The trial of a correction in words and as a figure.
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/report/figure.h"
+#include "apps/report/text.h"
+#include "apps/watch/report.h"
+#include "apps/watch/source.h"
+#include "apps/watch/trial.h"
+#include "mle/trial/model_trial.h"
+
+namespace mle::watch {
+namespace {
+
+constexpr double kLn10 = 2.302585092994046;
+
+void AddHistory(const TrialVerdict& verdict, double seconds_per_unit,
+                std::vector<TrialReport::Point>& history) {
+  for (const TrialEvidencePoint& point : verdict.evidence) {
+    history.push_back({.day = point.time * seconds_per_unit / kSecondsOfDay,
+                       .log10_for = point.log_for / kLn10,
+                       .log10_against = point.log_against / kLn10});
+  }
+}
+
+// "0.31", "12", "2.4e+08".
+std::string EvidenceText(double log) {
+  const double value = std::exp(log);
+  if (value < 0.01) return "less than 0.01";
+  return value < 1000.0 ? absl::StrFormat("%.2g", value)
+                        : absl::StrFormat("%.0e", value);
+}
+
+std::string SeenText(const TrialVerdict& verdict) {
+  return absl::StrCat(
+      Counted(verdict.changes, "change"), " of set points",
+      verdict.not_judged > 0
+          ? absl::StrCat(" (", verdict.not_judged, " of ", verdict.responses,
+                         " responses could not be judged yet)")
+          : "");
+}
+
+std::string LeftText(const TrialVerdict& verdict) {
+  return absl::StrFormat("%.0f %%", 100.0 * verdict.left_share);
+}
+
+std::string WhyDropped(const TrialReport& report) {
+  const TrialVerdict& verdict = report.verdict;
+  const bool is_better =
+      !verdict.evidence.empty() &&
+      verdict.evidence.back().log_for >= -std::log(report.level);
+  return is_better
+             ? absl::StrCat("It is better than the model in use, but leaves ",
+                            LeftText(verdict),
+                            " of what set points drive of its errors: a "
+                            "correction from the new records will be nearer.")
+             : "It does not predict the responses to set points better than "
+               "the model in use.";
+}
+
+std::string Limit(const TrialReport& report) {
+  return absl::StrFormat("%.0f", 1.0 / report.level);
+}
+
+}  // namespace
+
+std::optional<TrialReport> MakeTrialReport(const Watch& watch,
+                                           double seconds_per_unit) {
+  if (watch.trials.empty()) return std::nullopt;
+  const Trial& trial = watch.trials.back();
+  const TrialOptions options;
+  TrialReport report = {.day = trial.day,
+                        .last_day = trial.last_day,
+                        .level = options.level,
+                        .verdict = JudgeResponses(trial.state.responses,
+                                                  trial.state.adopted, options),
+                        .loss_ratio = LossRatio(trial.state.losses),
+                        .ended = trial.ended,
+                        .fault = trial.fault,
+                        .adopted = trial.adopted,
+                        .adopted_day = trial.adopted_day};
+  AddHistory(JudgeResponses(trial.state.before, false, options),
+             seconds_per_unit, report.history);
+  AddHistory(report.verdict, seconds_per_unit, report.history);
+  return report;
+}
+
+std::vector<std::string> TrialSentences(const TrialReport& report) {
+  const TrialVerdict& verdict = report.verdict;
+  const std::string correction =
+      absl::StrCat("the correction of ", NameOfDay(report.day));
+  const double log_for =
+      verdict.evidence.empty() ? 0.0 : verdict.evidence.back().log_for;
+  const std::string seen = SeenText(verdict);
+  if (report.ended == "replaced") {
+    return {absl::StrCat("Nothing to do: another model took the place of ",
+                         correction, "."),
+            "The trial has ended."};
+  }
+  if (report.ended == "rolled_back") {
+    return {absl::StrCat("Nothing to do: the former model is in use again in "
+                         "place of ",
+                         correction, "."),
+            "The trial has ended."};
+  }
+  switch (verdict.advice) {
+    case TrialAdvice::kAdopt:
+      return {
+          absl::StrCat("Adopt ", correction, "."),
+          absl::StrCat(
+              "After ", seen, " the evidence for it is ", EvidenceText(log_for),
+              "; a model that is no better would "
+              "ever reach ",
+              Limit(report),
+              " with a probability of at "
+              "most ",
+              absl::StrFormat("%g", 100.0 * report.level), " %. It leaves ",
+              LeftText(verdict),
+              " of what set points drive of the errors of the model in "
+              "use. Acknowledge the alarm once it is in use.")};
+    case TrialAdvice::kDrop:
+      return {absl::StrCat("Drop ", correction, "."),
+              absl::StrCat(WhyDropped(report), " This rests on ", seen, ".")};
+    case TrialAdvice::kRollBack:
+      return {absl::StrCat("Roll back to the model before ", correction, "."),
+              absl::StrCat("Since ", NameOfDay(report.adopted_day), ", after ",
+                           seen,
+                           ", the evidence that the former model is "
+                           "better is ",
+                           EvidenceText(log_for),
+                           "; if it were not, it would ever reach ",
+                           Limit(report), " with a probability of at most ",
+                           absl::StrFormat("%g", 100.0 * report.level),
+                           " %. Find out why, with the records since.")};
+    case TrialAdvice::kKeep:
+      return {absl::StrCat("Keep ", correction, "."),
+              absl::StrCat("In use since ", NameOfDay(report.adopted_day),
+                           "; after ", seen,
+                           " the evidence that the former model is better is ",
+                           EvidenceText(log_for), " of ", Limit(report), ".")};
+    case TrialAdvice::kWait:
+      break;
+  }
+  if (report.ended.empty() && verdict.responses == 0 && report.level > 0.0 &&
+      !report.fault.empty()) {
+    return {absl::StrCat("Wait: ", correction, " is not on trial yet."),
+            report.fault};
+  }
+  const bool is_better = log_for >= -std::log(report.level);
+  return {absl::StrCat("Wait: it is not known yet whether ", correction,
+                       " is better than the model in use."),
+          absl::StrCat(
+              "After ", seen, " the evidence for it is ", EvidenceText(log_for),
+              " of ", Limit(report), ".",
+              is_better ? absl::StrCat(" It leaves ", LeftText(verdict),
+                                       " of what set points drive of the "
+                                       "errors of the model in use; to adopt "
+                                       "it, that has to be less.")
+                        : "")};
+}
+
+std::string ShortTrial(const std::optional<TrialReport>& report) {
+  if (!report.has_value()) return "–";
+  if (!report->ended.empty() && report->ended != "dropped") return "ended";
+  constexpr const char* kWords[] = {"wait", "adopt", "drop", "keep",
+                                    "roll back"};
+  return kWords[static_cast<int>(report->verdict.advice)];
+}
+
+void AddTrial(const TrialReport& report, report::HtmlPage& page) {
+  page.AddHeading("Trial of the correction");
+  for (const std::string& sentence : TrialSentences(report)) {
+    page.AddParagraph(sentence);
+  }
+  std::vector<std::pair<std::string, std::string>> terms = {
+      {"Correction", absl::StrCat("of ", NameOfDay(report.day))},
+      {"Last day", NameOfDay(report.last_day)},
+      {"Changes of set points", SeenText(report.verdict)}};
+  if (report.adopted.has_value()) {
+    terms.emplace_back(
+        "In use",
+        absl::StrCat("since ", NameOfDay(report.adopted_day), ", by ",
+                     report.adopted->who,
+                     report.adopted->at > 0
+                         ? absl::StrCat(" at ", TimeText(report.adopted->at))
+                         : "",
+                     report.adopted->note.empty() ? "" : ": ",
+                     report.adopted->note));
+  }
+  terms.emplace_back(
+      "Errors several steps ahead",
+      absl::StrFormat("%.3f of those of the other model, on all records since; "
+                      "controllers that answer disturbances are part of this, "
+                      "so that nothing rests on it",
+                      report.loss_ratio));
+  if (!report.fault.empty()) terms.emplace_back("Left out", report.fault);
+  page.AddTerms(terms);
+  if (report.history.empty()) return;
+  report::Figure figure{.height_cm = 6.0};
+  report::Panel& panel = figure.AddPanel("");
+  panel.x = DayAxis();
+  panel.y = {.label = "evidence, powers of ten"};
+  report::Series better = report::MakeSeries(report::Role::kCorrected,
+                                             "for the other model", {}, {});
+  report::Series worse =
+      report::MakeSeries(report::Role::kInitial, "against it", {}, {});
+  for (const TrialReport::Point& point : report.history) {
+    better.x.push_back(point.day);
+    better.y.push_back(std::max(point.log10_for, -3.0));
+    worse.x.push_back(point.day);
+    worse.y.push_back(-std::max(point.log10_against, -3.0));
+  }
+  panel.series = {std::move(better), std::move(worse)};
+  const double limit = -std::log10(report.level);
+  panel.lines = {
+      report::HorizontalLine(report::Role::kReference, "adopt, roll back",
+                             limit),
+      report::HorizontalLine(report::Role::kReference, "drop", -limit)};
+  page.AddFigure(figure,
+                 "Evidence after each response to set points: for the model "
+                 "that is not in use, upwards, against it, downwards.",
+                 "Two curves over dates, with lines at the limits where the "
+                 "advice is to adopt or roll back, and to drop.");
+}
+
+}  // namespace mle::watch
