@@ -126,6 +126,7 @@ void VisitResponses(std::vector<TrialResponse>& responses, Archive& archive) {
 template <typename Archive>
 void VisitTrial(TrialState& state, Archive& archive) {
   archive.Integer(state.adopted);
+  archive.Integer(state.by_hand);
   archive.Number(state.end);
   archive.Integer(state.rows);
   archive.Integer(state.last_move);

@@ -329,13 +329,15 @@ absl::Status ModelTrial::Use(const Record& record, int first, bool judge) {
   if (first == record.samples()) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(const TrialRows rows,
                        MakeTrialRows(models_, record, first, plan_));
+  const bool by_hand = record.set_points.size() == 0;
   if (state_.normal.size() == 0) {
     const Index q = rows.shapes.rows();
     state_.shapes.resize(q, 0);
     state_.normal.setZero(q, q);
     state_.moments.setZero(q, state_.in_use.rows());
+    state_.by_hand = by_hand;
   }
-  if (state_.normal.rows() != rows.shapes.rows()) {
+  if (state_.by_hand != by_hand) {
     return absl::InvalidArgumentError(
         "trial: some records have set points, others have not");
   }

@@ -29,6 +29,7 @@ struct TrialState {
   static constexpr std::int64_t kLongAgo = -1'000'000'000;
 
   bool adopted = false;
+  bool by_hand = false;  // inputs stand for set points
   // Of the end of the last row, in the unit of the records; and rows since the
   // last gap.
   double end = 0.0;
