@@ -164,6 +164,9 @@ absl::Status PutInPlace(const std::string& made, const std::string& folder) {
 
 bool NeedsProposal(const Watch& watch) {
   if (AlarmsOfAgeing(watch.alarms).empty()) return false;
+  if (!watch.trials.empty() && WaitsForRollBack(watch.trials.back())) {
+    return false;
+  }
   if (watch.proposals.empty()) return true;
   const Proposal& last = watch.proposals.back();
   if (last.decision != "corrected") {

@@ -184,4 +184,11 @@ bool HasFailed(const Trial& trial) {
   return trial.ended == "dropped" || trial.ended == "rolled_back";
 }
 
+bool WaitsForRollBack(const Trial& trial) {
+  return trial.ended.empty() &&
+         JudgeResponses(trial.state.responses, trial.state.adopted,
+                        TrialOptions())
+                 .advice == TrialAdvice::kRollBack;
+}
+
 }  // namespace mle::watch

@@ -40,8 +40,10 @@ void ContinueTrial(const DatedRecords& data, Watch& watch);
 // rolled back; of another model, replaced.
 std::vector<Trial> CarryTrials(const ProcessModel& model, const Watch& before);
 
-// Whether the correction of the last trial came to nothing.
+// Whether the correction came to nothing.
 bool HasFailed(const Trial& trial);
+// Whether the advice is to roll back, and that has not been done.
+bool WaitsForRollBack(const Trial& trial);
 
 // Of the last trial; nothing without one.
 std::optional<TrialReport> MakeTrialReport(const Watch& watch,

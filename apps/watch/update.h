@@ -39,7 +39,7 @@ std::string Describe(const ProcessModel& model, int output,
 
 // Whether there is an alarm that the model has aged, and no proposal for it, or
 // one that could not tell and is two weeks old, or whose trial came to nothing
-// two weeks ago.
+// two weeks ago; never while a trial says to roll back.
 bool NeedsProposal(const Watch& watch);
 
 // Corrects the model by the records since the change most likely began, of 60
