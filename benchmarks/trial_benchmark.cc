@@ -6,11 +6,10 @@
 // SET: `tuning` or `reporting`, which have other plants. Half of the lives have
 // a correction that was estimated from a record, the others one that is drawn
 // right or wrong (benchmarks/trial/trial_life.h). A model is worse where E is
-// larger with it, or the cost of control by more than 1 %, than with the model in
-// use and with the plant's own. After
-// adoption the plant stays as it is, or, in every other life, is what it was
-// before it aged. Models that are not adopted are taken into use nevertheless,
-// to see them rolled back.
+// larger with it, or the cost of control by more than 1 %, than with the model
+// in use and with the plant's own. After adoption the plant stays as it is, or,
+// in every other life, is what it was before it aged. Models that are not
+// adopted are taken into use nevertheless, to see them rolled back.
 
 #include <algorithm>
 #include <cmath>
@@ -133,9 +132,9 @@ Outcome RunLife(const TrialPlant& plant, Proposal proposal, std::uint64_t seed,
   outcome.better = outcome.distance_ratio <= 1.0;
   // The plant's own model can cost more than one that makes the controller
   // slower: a tuning is not the model's fault.
-  outcome.cost_ratio = life.ControlCost(*life.proposed()) /
-                       std::max(life.ControlCost(plant.model),
-                                life.ControlCost(life.truth()));
+  outcome.cost_ratio =
+      life.ControlCost(*life.proposed()) /
+      std::max(life.ControlCost(plant.model), life.ControlCost(life.truth()));
   outcome.better_control = outcome.cost_ratio <= kSameCost;
   CHECK(trial.Learn(life.first_record()).ok());
   DailyLosses losses;

@@ -149,6 +149,7 @@ void VisitTrial(TrialState& state, Archive& archive) {
       VisitNumbers(*numbers, archive);
     }
   }
+  VisitResponses(state.learned, archive);
   VisitResponses(state.before, archive);
   VisitResponses(state.responses, archive);
 }

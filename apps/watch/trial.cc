@@ -68,8 +68,7 @@ void RaiseOf(const Trial& trial, AlarmKind kind, Watch& watch) {
       TrialSentences(*MakeTrialReport(watch, 1.0));
   alarm.text = absl::StrCat(sentences[0], " ", sentences[1]);
   alarm.id = Sha256Of(absl::StrCat(watch.controller, "\n", watch.basis, "\n",
-                                   std::string(NameOf(kind)), "\n",
-                                   trial.day));
+                                   std::string(NameOf(kind)), "\n", trial.day));
   alarm.id.resize(kIdLength);
   watch.alarms.push_back(std::move(alarm));
 }
@@ -96,8 +95,7 @@ absl::Status LookAtDay(const DatedRecords& data, int day, Trial& trial) {
 
 // What follows from the advice after a day.
 void Conclude(Trial& trial, Watch& watch) {
-  const TrialVerdict verdict = JudgeResponses(
-      trial.state.responses, trial.state.adopted, TrialOptions());
+  const TrialVerdict verdict = JudgeTrial(trial.state, TrialOptions());
   switch (verdict.advice) {
     case TrialAdvice::kAdopt:
       RaiseOf(trial, AlarmKind::kAdopt, watch);
@@ -186,9 +184,8 @@ bool HasFailed(const Trial& trial) {
 
 bool WaitsForRollBack(const Trial& trial) {
   return trial.ended.empty() &&
-         JudgeResponses(trial.state.responses, trial.state.adopted,
-                        TrialOptions())
-                 .advice == TrialAdvice::kRollBack;
+         JudgeTrial(trial.state, TrialOptions()).advice ==
+             TrialAdvice::kRollBack;
 }
 
 }  // namespace mle::watch

@@ -46,7 +46,8 @@ std::string SeenText(const TrialVerdict& verdict) {
 }
 
 std::string LeftText(const TrialVerdict& verdict) {
-  return absl::StrFormat("%.0f %%", 100.0 * verdict.left_share);
+  return absl::StrFormat(
+      "%.0f %%", 100.0 * std::max(verdict.left_share, verdict.left_before));
 }
 
 std::string WhyDropped(const TrialReport& report) {
@@ -77,14 +78,13 @@ std::optional<TrialReport> MakeTrialReport(const Watch& watch,
   TrialReport report = {.day = trial.day,
                         .last_day = trial.last_day,
                         .level = options.level,
-                        .verdict = JudgeResponses(trial.state.responses,
-                                                  trial.state.adopted, options),
+                        .verdict = JudgeTrial(trial.state, options),
                         .loss_ratio = LossRatio(trial.state.losses),
                         .ended = trial.ended,
                         .fault = trial.fault,
                         .adopted = trial.adopted,
                         .adopted_day = trial.adopted_day};
-  AddHistory(JudgeResponses(trial.state.before, false, options),
+  AddHistory(JudgeResponses(trial.state.before, {}, false, options),
              seconds_per_unit, report.history);
   AddHistory(report.verdict, seconds_per_unit, report.history);
   return report;

@@ -213,12 +213,12 @@ TrialLife::TrialLife(const TrialPlant& plant, Proposal proposal,
   for (int c = 0; c < 2 * p; ++c) {
     profile.steps.push_back(
         {.output = c % p,
-         .time = plant.settling * (1.2 * c + kQuietSettlings),
+         .time = plant.settling * (1.5 * c + kQuietSettlings),
          .value = c < p ? 1.0 : 0.0});
   }
   first_record_ =
       Simulate(plant.model, truth_, profile,
-               plant.settling * (2.4 * p + kQuietSettlings), kRunStream);
+               plant.settling * (3.0 * p + kQuietSettlings), kRunStream);
   if (proposal != Proposal::kEstimated) {
     proposed_ =
         WithChange(plant.model, Propose(proposal, change, plant.model, draws));

@@ -19,7 +19,7 @@ constexpr double kLeastNoise = 0.05;
 constexpr double kRidge = 1e-6;
 // Windows' lengths at rest before a response is judged, and of all rows, where
 // there is too little rest.
-constexpr double kLeastAtRest = 5.0;
+constexpr double kLeastAtRest = 3.0;
 constexpr double kLeastOfAll = 20.0;
 // Share of the rows of a response that must be known.
 constexpr double kLeastKnown = 0.8;
@@ -122,6 +122,7 @@ OutputComparison CompareOutput(const Variogram& rest, const Variogram& always,
   const VectorXd e1 = ZeroUnknown(proposed);
   const ExplainedLoss of_in_use = ExplainLoss(loss, count - 1.0, shapes, e0);
   const ExplainedLoss of_proposed = ExplainLoss(loss, count - 1.0, shapes, e1);
+  result.compared = true;
   result.in_use = of_in_use.explained;
   result.proposed = of_proposed.explained;
   const VectorXd weights = loss * driven;

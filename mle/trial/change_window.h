@@ -47,6 +47,7 @@ struct OutputComparison {
   // alone: what set points drive of e⁰ and of e¹.
   double in_use = 0.0;
   double proposed = 0.0;
+  bool compared = false;  // with enough rows and noise for the last two
 };
 
 // `rest`: the noise at rest; where that is too short `always` stands for it, of

@@ -242,7 +242,7 @@ TrialResponse ModelTrial::Compare(Index begin, Index length) const {
     response.deviations.push_back(output.deviation);
     response.in_use.push_back(output.in_use);
     response.proposed.push_back(output.proposed);
-    if (output.deviation > 0.0) {
+    if (output.compared) {
       response.shapes += static_cast<int>(moving.rows());
     }
   }
@@ -265,7 +265,7 @@ void ModelTrial::LearnFrom(Index column) {
 void ModelTrial::EndResponse(bool judge) {
   const Index length = before_ + 1 + after_;
   const Index begin = state_.shapes.cols() - length;
-  if (judge) state_.responses.push_back(Compare(begin, length));
+  (judge ? state_.responses : state_.learned).push_back(Compare(begin, length));
   for (Index k = before_; k < length; ++k) LearnFrom(begin + k);
   state_.response = TrialState::kLongAgo;
   state_.changes = 0;
@@ -375,6 +375,7 @@ void ModelTrial::Adopt() {
     }
   }
   state_.before = std::exchange(state_.responses, {});
+  state_.learned.clear();
 }
 
 }  // namespace mle

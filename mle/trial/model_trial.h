@@ -29,7 +29,9 @@
 //
 //   adopt  where E for it ≥ 1/α, and it leaves at most κ of what set points
 //          drive of e⁰ (what shapes of set points explain, without the eighth
-//          of the responses in which it leaves most), but for a standard error;
+//          of the responses in which it leaves most), but for a standard error,
+//          also in the records that it was made from, where more set points
+//          may have moved;
 //   drop   where E against it ≥ 1/α, or after most_changes;
 //   wait   otherwise.
 //
@@ -99,9 +101,7 @@ class ModelTrial {
   // The proposed model is in use from here on.
   void Adopt();
 
-  TrialVerdict verdict() const {
-    return JudgeResponses(state_.responses, state_.adopted, options_);
-  }
+  TrialVerdict verdict() const { return JudgeTrial(state_, options_); }
   const TrialState& state() const { return state_; }
   int Lead() const { return plan_.forgetting; }
   // Outputs whose model changes (r).

@@ -67,7 +67,8 @@ bool Fits(const TrialState& state, std::size_t outputs, Eigen::Index rows,
          AreOf(state.noise, outputs, rows - 1) &&
          AreOf(state.always, outputs, rows - 1) &&
          AreOf(state.losses, outputs, horizons) &&
-         AreOf(state.before, outputs) && AreOf(state.responses, outputs);
+         AreOf(state.learned, outputs) && AreOf(state.before, outputs) &&
+         AreOf(state.responses, outputs);
 }
 
 }  // namespace mle

@@ -49,10 +49,16 @@ struct TrialState {
   std::vector<Variogram> noise;   // at rest
   std::vector<Variogram> always;  // of all rows
   std::vector<StepLosses> losses;
-  // Those of the trial, and since the adoption.
+  // Those of the records before, of the trial, and since the adoption.
+  std::vector<TrialResponse> learned;
   std::vector<TrialResponse> before;
   std::vector<TrialResponse> responses;
 };
+
+inline TrialVerdict JudgeTrial(const TrialState& state,
+                               const TrialOptions& options) {
+  return JudgeResponses(state.responses, state.learned, state.adopted, options);
+}
 
 // Sizes that fit a trial of so many outputs that change, rows of a response and
 // horizons.

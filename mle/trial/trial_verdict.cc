@@ -22,7 +22,7 @@ struct Left {
 
 // Without the eighth of the responses in which the proposed model leaves most:
 // a disturbance that comes in one by chance is not the model's.
-void TakeShare(std::vector<Left> left, TrialVerdict& verdict) {
+void TakeShare(std::vector<Left> left, double& share, double& error) {
   std::sort(left.begin(), left.end(), [](const Left& a, const Left& b) {
     return a.proposed < b.proposed;
   });
@@ -34,9 +34,15 @@ void TakeShare(std::vector<Left> left, TrialVerdict& verdict) {
     sum.shapes += response.shapes;
   }
   if (!(sum.in_use > 0.0)) return;
-  verdict.left_share = std::max(sum.proposed, 0.0) / sum.in_use;
+  share = std::max(sum.proposed, 0.0) / sum.in_use;
   // Of χ² with as many degrees of freedom.
-  verdict.left_error = std::sqrt(2.0 * sum.shapes) / sum.in_use;
+  error = std::sqrt(2.0 * sum.shapes) / sum.in_use;
+}
+
+Left LeftIn(const TrialResponse& response) {
+  return {.in_use = SumOf(response.in_use),
+          .proposed = SumOf(response.proposed),
+          .shapes = response.shapes};
 }
 
 // What follows from the last evidence, the advice before it, and the rest.
@@ -52,7 +58,8 @@ TrialAdvice Advise(const TrialVerdict& verdict, bool adopted,
   if (verdict.advice == TrialAdvice::kDrop) return verdict.advice;
   if (last.log_against >= limit) return TrialAdvice::kDrop;
   if (last.log_for >= limit &&
-      verdict.left_share <= options.left_share + verdict.left_error) {
+      verdict.left_share <= options.left_share + verdict.left_error &&
+      verdict.left_before <= options.left_share + verdict.left_before_error) {
     return TrialAdvice::kAdopt;
   }
   return verdict.advice == TrialAdvice::kWait && judged >= options.most_changes
@@ -92,8 +99,14 @@ std::string_view NameOf(TrialAdvice advice) {
 }
 
 TrialVerdict JudgeResponses(const std::vector<TrialResponse>& responses,
+                            const std::vector<TrialResponse>& learned,
                             bool adopted, const TrialOptions& options) {
   TrialVerdict verdict;
+  std::vector<Left> before;
+  for (const TrialResponse& response : learned) {
+    if (response.shapes > 0) before.push_back(LeftIn(response));
+  }
+  TakeShare(before, verdict.left_before, verdict.left_before_error);
   TrialEvidence better;
   TrialEvidence worse;
   std::vector<TrialEvidence> worse_outputs;
@@ -119,10 +132,8 @@ TrialVerdict JudgeResponses(const std::vector<TrialResponse>& responses,
       against += std::exp(worse_outputs[i].log()) / static_cast<double>(r);
     }
     against = 0.5 * (against + std::exp(worse.log()));
-    left.push_back({.in_use = SumOf(response.in_use),
-                    .proposed = SumOf(response.proposed),
-                    .shapes = response.shapes});
-    TakeShare(left, verdict);
+    left.push_back(LeftIn(response));
+    TakeShare(left, verdict.left_share, verdict.left_error);
     verdict.evidence.push_back(
         {response.time, better.log(), std::log(against)});
     verdict.advice = Advise(verdict, adopted, options);

@@ -22,7 +22,7 @@ struct TrialResponse {
   std::vector<double> deviations = {};
   std::vector<double> in_use = {};
   std::vector<double> proposed = {};
-  int shapes = 0;  // of set points, in all outputs that are judged
+  int shapes = 0;  // of set points, in all outputs that could be compared
 
   // Whether there was noise at rest to compare it with, and z.
   bool judged() const;
@@ -54,10 +54,15 @@ struct TrialVerdict {
   // drive nothing.
   double left_share = 1.0;
   double left_error = 0.0;
+  // The same in the records before the trial; 0 where these had no responses.
+  double left_before = 0.0;
+  double left_before_error = 0.0;
 };
 
 // Of the responses since the trial began, or since the model was adopted.
+// `learned`: those of the records before.
 TrialVerdict JudgeResponses(const std::vector<TrialResponse>& responses,
+                            const std::vector<TrialResponse>& learned,
                             bool adopted, const TrialOptions& options);
 
 }  // namespace mle
