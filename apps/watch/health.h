@@ -109,6 +109,7 @@ struct TrialReport {
   std::string fault = {};
   std::optional<Acknowledgement> adopted = {};
   int adopted_day = 0;
+  std::vector<std::string> before = {};  // a sentence on each earlier trial
 };
 
 enum class Status {

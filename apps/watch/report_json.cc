@@ -47,9 +47,8 @@ Json AlarmsOf(const Report& report) {
         {{"id", alarm.id},
          {"kind", std::string(NameOf(alarm.kind))},
          {"day", NameOfDay(alarm.day)},
-         {"output", alarm.output < 0
-                        ? Json()
-                        : Json(report.model.outputs()[alarm.output].name)},
+         {"output",
+          alarm.output < 0 ? "" : report.model.outputs()[alarm.output].name},
          {"text", alarm.text},
          {"deliveries", DeliveriesOf(alarm)},
          {"acknowledged", AcknowledgementOf(alarm)}});

@@ -41,7 +41,6 @@ void Trim(Entry& entry) {
   entry.watch.outputs.clear();
   entry.watch.trials.clear();
   entry.report.trends.clear();
-  if (entry.report.trial.has_value()) entry.report.trial->history.clear();
   for (OutputTrend& trend : entry.report.outlook.trends) {
     trend.course.points.clear();
   }

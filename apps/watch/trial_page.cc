@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
 #include "apps/report/figure.h"
 #include "apps/report/text.h"
 #include "apps/watch/report.h"
@@ -64,8 +65,52 @@ std::string WhyDropped(const TrialReport& report) {
                "the model in use.";
 }
 
+// "since 2026-02-04, by Ann at 2026-02-03 09:30 UTC: loaded at ten".
+std::string AdoptedText(const Acknowledgement& adopted, int day) {
+  return absl::StrCat(
+      "since ", NameOfDay(day), ", by ", adopted.who,
+      adopted.at > 0 ? absl::StrCat(" at ", TimeText(adopted.at)) : "",
+      adopted.note.empty() ? "" : ": ", adopted.note);
+}
+
+std::string BeforeText(const Trial& trial) {
+  const std::string ended = absl::StrReplaceAll(trial.ended, {{"_", " "}});
+  return absl::StrCat(
+      "Correction of ", NameOfDay(trial.day), ": ",
+      ended.empty() ? "not decided" : ended,
+      trial.adopted.has_value()
+          ? absl::StrCat("; in use ",
+                         AdoptedText(*trial.adopted, trial.adopted_day))
+          : "",
+      ".");
+}
+
 std::string Limit(const TrialReport& report) {
   return absl::StrFormat("%.0f", 1.0 / report.level);
+}
+
+report::Figure EvidenceFigure(const TrialReport& report) {
+  report::Figure figure{.height_cm = 6.0};
+  report::Panel& panel = figure.AddPanel("");
+  panel.x = DayAxis();
+  panel.y = {.label = "evidence, powers of ten"};
+  report::Series better = report::MakeSeries(report::Role::kCorrected,
+                                             "for the other model", {}, {});
+  report::Series worse =
+      report::MakeSeries(report::Role::kInitial, "against it", {}, {});
+  for (const TrialReport::Point& point : report.history) {
+    better.x.push_back(point.day);
+    better.y.push_back(std::max(point.log10_for, -3.0));
+    worse.x.push_back(point.day);
+    worse.y.push_back(-std::max(point.log10_against, -3.0));
+  }
+  panel.series = {std::move(better), std::move(worse)};
+  const double limit = -std::log10(report.level);
+  panel.lines = {
+      report::HorizontalLine(report::Role::kReference, "adopt, roll back",
+                             limit),
+      report::HorizontalLine(report::Role::kReference, "drop", -limit)};
+  return figure;
 }
 
 }  // namespace
@@ -87,6 +132,9 @@ std::optional<TrialReport> MakeTrialReport(const Watch& watch,
   AddHistory(JudgeResponses(trial.state.before, {}, false, options),
              seconds_per_unit, report.history);
   AddHistory(report.verdict, seconds_per_unit, report.history);
+  for (std::size_t k = 0; k + 1 < watch.trials.size(); ++k) {
+    report.before.push_back(BeforeText(watch.trials[k]));
+  }
   return report;
 }
 
@@ -182,15 +230,8 @@ void AddTrial(const TrialReport& report, report::HtmlPage& page) {
       {"Last day", NameOfDay(report.last_day)},
       {"Changes of set points", SeenText(report.verdict)}};
   if (report.adopted.has_value()) {
-    terms.emplace_back(
-        "In use",
-        absl::StrCat("since ", NameOfDay(report.adopted_day), ", by ",
-                     report.adopted->who,
-                     report.adopted->at > 0
-                         ? absl::StrCat(" at ", TimeText(report.adopted->at))
-                         : "",
-                     report.adopted->note.empty() ? "" : ": ",
-                     report.adopted->note));
+    terms.emplace_back("In use",
+                       AdoptedText(*report.adopted, report.adopted_day));
   }
   terms.emplace_back(
       "Errors several steps ahead",
@@ -200,32 +241,17 @@ void AddTrial(const TrialReport& report, report::HtmlPage& page) {
                       report.loss_ratio));
   if (!report.fault.empty()) terms.emplace_back("Left out", report.fault);
   page.AddTerms(terms);
-  if (report.history.empty()) return;
-  report::Figure figure{.height_cm = 6.0};
-  report::Panel& panel = figure.AddPanel("");
-  panel.x = DayAxis();
-  panel.y = {.label = "evidence, powers of ten"};
-  report::Series better = report::MakeSeries(report::Role::kCorrected,
-                                             "for the other model", {}, {});
-  report::Series worse =
-      report::MakeSeries(report::Role::kInitial, "against it", {}, {});
-  for (const TrialReport::Point& point : report.history) {
-    better.x.push_back(point.day);
-    better.y.push_back(std::max(point.log10_for, -3.0));
-    worse.x.push_back(point.day);
-    worse.y.push_back(-std::max(point.log10_against, -3.0));
+  if (!report.history.empty()) {
+    page.AddFigure(EvidenceFigure(report),
+                   "Evidence after each response to set points: for the model "
+                   "that is not in use, upwards, against it, downwards.",
+                   "Two curves over dates, with lines at the limits where the "
+                   "advice is to adopt or roll back, and to drop.");
   }
-  panel.series = {std::move(better), std::move(worse)};
-  const double limit = -std::log10(report.level);
-  panel.lines = {
-      report::HorizontalLine(report::Role::kReference, "adopt, roll back",
-                             limit),
-      report::HorizontalLine(report::Role::kReference, "drop", -limit)};
-  page.AddFigure(figure,
-                 "Evidence after each response to set points: for the model "
-                 "that is not in use, upwards, against it, downwards.",
-                 "Two curves over dates, with lines at the limits where the "
-                 "advice is to adopt or roll back, and to drop.");
+  if (report.before.empty()) return;
+  page.OpenFold("Trials before");
+  for (const std::string& sentence : report.before) page.AddParagraph(sentence);
+  page.CloseFold();
 }
 
 }  // namespace mle::watch

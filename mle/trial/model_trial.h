@@ -29,9 +29,9 @@
 //
 //   adopt  where E for it ≥ 1/α, and it leaves at most κ of what set points
 //          drive of e⁰ (what shapes of set points explain, without the eighth
-//          of the responses in which it leaves most), but for a standard error,
-//          also in the records that it was made from, where more set points
-//          may have moved;
+//          of the responses in which it leaves most), but for a standard error
+//          (of 2 κ at most), also in the records that it was made from, where
+//          more set points may have moved;
 //   drop   where E against it ≥ 1/α, or after most_changes;
 //   wait   otherwise.
 //

@@ -58,7 +58,9 @@ TrialAdvice Advise(const TrialVerdict& verdict, bool adopted,
   if (verdict.advice == TrialAdvice::kDrop) return verdict.advice;
   if (last.log_against >= limit) return TrialAdvice::kDrop;
   if (last.log_for >= limit &&
-      verdict.left_share <= options.left_share + verdict.left_error &&
+      verdict.left_share <=
+          options.left_share +
+              std::min(verdict.left_error, 2.0 * options.left_share) &&
       verdict.left_before <= options.left_share + verdict.left_before_error) {
     return TrialAdvice::kAdopt;
   }
