@@ -1,7 +1,7 @@
-// trial_benchmark SET LIVES FIRST_SEED [LEVEL LEFT_SHARE]: how
-// often a trial adopts a model that is worse than the one in use, after how
-// many changes of set points it adopts one that is better, how many of these it
-// loses, and how it rolls back.
+// trial_benchmark SET LIVES FIRST_SEED [LEVEL LEFT_SHARE]: how often a trial
+// adopts a model that is worse than the one in use, after how many changes of
+// set points it adopts one that is better, how many of these it loses, and how
+// it rolls back.
 //
 // SET: `tuning` or `reporting`, which have other plants. Half of the lives have
 // a correction that was estimated from a record, the others one that is drawn
@@ -38,12 +38,8 @@ struct Outcome {
   bool proposed = false;
   bool better = false;          // by E
   bool better_control = false;  // by the cost of control
-  double distance_ratio = 1.0;
-  double cost_ratio = 1.0;
   TrialAdvice advice = TrialAdvice::kWait;
   int changes = 0;  // until the advice
-  double left_share = 1.0;
-  double log_for = 0.0;
   // By the losses on all rows, day by day, as an e-process of their own.
   TrialAdvice by_losses = TrialAdvice::kWait;
   int changes_by_losses = 0;
@@ -127,15 +123,13 @@ Outcome RunLife(const TrialPlant& plant, Proposal proposal, std::uint64_t seed,
   if (!made.ok()) return outcome;
   ModelTrial trial = *std::move(made);
   outcome.proposed = true;
-  outcome.distance_ratio =
-      life.Distance(*life.proposed()) / life.Distance(plant.model);
-  outcome.better = outcome.distance_ratio <= 1.0;
+  outcome.better =
+      life.Distance(*life.proposed()) <= life.Distance(plant.model);
   // The plant's own model can cost more than one that makes the controller
   // slower: a tuning is not the model's fault.
-  outcome.cost_ratio =
-      life.ControlCost(*life.proposed()) /
-      std::max(life.ControlCost(plant.model), life.ControlCost(life.truth()));
-  outcome.better_control = outcome.cost_ratio <= kSameCost;
+  outcome.better_control = life.ControlCost(*life.proposed()) <=
+                           kSameCost * std::max(life.ControlCost(plant.model),
+                                                life.ControlCost(life.truth()));
   CHECK(trial.Learn(life.first_record()).ok());
   DailyLosses losses;
   for (int day = 0; day < kTrialDays; ++day) {
@@ -149,24 +143,7 @@ Outcome RunLife(const TrialPlant& plant, Proposal proposal, std::uint64_t seed,
     }
     outcome.advice = verdict.advice;
     outcome.changes = verdict.changes;
-    outcome.left_share = verdict.left_share;
-    if (!verdict.evidence.empty()) {
-      outcome.log_for = verdict.evidence.back().log_for;
-    }
     if (verdict.advice != TrialAdvice::kWait) break;
-  }
-  if (std::getenv("TRIAL_X") != nullptr) {
-    std::string text = std::string(kProposalNames[static_cast<int>(proposal)]) +
-                       " " + kDisturbanceNames[outcome.disturbance] + " " +
-                       plant.model.name() + ":";
-    for (const TrialResponse& r : trial.state().responses) {
-      char buffer[200];
-      std::snprintf(buffer, sizeof buffer, " [%.2f of %.2f s %.2g; %.3g %.3g]",
-                    r.difference(), r.size(), r.deviations[0], r.in_use[0],
-                    r.proposed[0]);
-      text += buffer;
-    }
-    std::printf("%s\n", text.c_str());
   }
   outcome.went_back = proposal != Proposal::kNothingAged && (seed / 5) % 2 == 0;
   RunInUse(plant, life, std::move(trial), outcome);
@@ -268,18 +245,6 @@ void Print(const std::vector<Outcome>& all) {
   PrintInUse(
       "worse, taken into use nevertheless",
       Those(tried, [](const Outcome& o) { return !o.better && !o.went_back; }));
-  if (std::getenv("TRIAL_VERBOSE") != nullptr) {
-    for (const Outcome& o : tried) {
-      std::printf(
-          "%s,%s,E %.3f,cost %.3f,%s,%d,left %.3f,lnE %.2f,losses %s %d,back "
-          "%d %d\n",
-          kProposalNames[static_cast<int>(o.proposal)],
-          kDisturbanceNames[o.disturbance], o.distance_ratio, o.cost_ratio,
-          std::string(NameOf(o.advice)).c_str(), o.changes, o.left_share,
-          o.log_for, std::string(NameOf(o.by_losses)).c_str(),
-          o.changes_by_losses, o.went_back, o.rolled_back);
-    }
-  }
 }
 
 std::vector<TrialPlant> PlantsOf(const std::string& set) {

@@ -115,6 +115,9 @@ struct Alarm {
   std::optional<Acknowledgement> acknowledged = {};
 };
 
+// The id of an alarm of which this is said.
+std::string AlarmId(const std::string& what);
+
 // Those that say that the model has aged.
 std::vector<Alarm> AlarmsOfAgeing(const std::vector<Alarm>& alarms);
 // Those not acknowledged.

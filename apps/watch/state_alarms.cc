@@ -7,6 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "apps/common/sha256.h"
 #include "apps/report/text.h"
 #include "apps/watch/state.h"
 #include "mle/base/status.h"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMostName = 200;   // bytes
 constexpr std::size_t kMostNote = 1000;  // bytes
+constexpr std::size_t kIdLength = 32;
 
 std::string CleanPart(const std::string& text) {
   const std::string clean = report::CleanText(text);
@@ -48,6 +50,10 @@ std::string_view NameOf(Channel channel) {
 std::string_view NameOf(AlarmKind kind) {
   constexpr std::string_view kNames[] = {"aged", "adopt", "drop", "roll_back"};
   return kNames[static_cast<int>(kind)];
+}
+
+std::string AlarmId(const std::string& what) {
+  return Sha256Of(what).substr(0, kIdLength);
 }
 
 std::vector<Alarm> AlarmsOfAgeing(const std::vector<Alarm>& alarms) {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/sha256.h"
 #include "apps/watch/update.h"
 #include "mle/base/status.h"
 #include "mle/maintain/correct.h"
@@ -20,7 +19,6 @@ namespace {
 constexpr int kMostResponsesInUse = 100;
 // Two models are the same where their step responses differ by less than this.
 constexpr double kSameModel = 0.01;
-constexpr std::size_t kIdLength = 32;
 
 Trial* Running(Watch& watch) {
   if (watch.trials.empty()) return nullptr;
@@ -67,9 +65,8 @@ void RaiseOf(const Trial& trial, AlarmKind kind, Watch& watch) {
   const std::vector<std::string> sentences =
       TrialSentences(*MakeTrialReport(watch, 1.0));
   alarm.text = absl::StrCat(sentences[0], " ", sentences[1]);
-  alarm.id = Sha256Of(absl::StrCat(watch.controller, "\n", watch.basis, "\n",
-                                   std::string(NameOf(kind)), "\n", trial.day));
-  alarm.id.resize(kIdLength);
+  alarm.id = AlarmId(absl::StrCat(watch.controller, "\n", watch.basis, "\n",
+                                  std::string(NameOf(kind)), "\n", trial.day));
   watch.alarms.push_back(std::move(alarm));
 }
 

@@ -22,7 +22,6 @@ namespace {
 // Samples that come later than this change nothing: the days around them have
 // been merged.
 constexpr int kLatest = 60;
-constexpr std::size_t kIdLength = 32;
 
 // The state keeps the lower triangle alone.
 void Mirror(Eigen::MatrixXd& information) {
@@ -135,10 +134,9 @@ void Update::Raise(Alarm alarm) {
       return;
     }
   }
-  alarm.id = Sha256Of(absl::StrCat(watch_.controller, "\n", watch_.basis, "\n",
-                                   watch_.first, "\n", alarm.output, "\n",
-                                   alarm.element));
-  alarm.id.resize(kIdLength);
+  alarm.id = AlarmId(absl::StrCat(watch_.controller, "\n", watch_.basis, "\n",
+                                  watch_.first, "\n", alarm.output, "\n",
+                                  alarm.element));
   watch_.alarms.push_back(std::move(alarm));
 }
 

@@ -29,7 +29,7 @@ constexpr double kHorizons[] = {0.04, 0.2, 0.6};
 // Elements change where their step responses differ by more than this.
 constexpr double kSameResponse = 1e-3;
 // Of the regression on shapes: a share of each, and of the largest.
-constexpr double kRidge = 1e-3;
+constexpr double kShapeRidge = 1e-3;
 constexpr double kLeastShape = 1e-9;
 constexpr double kMostRows = 1e6;
 
@@ -226,7 +226,7 @@ TrialResponse ModelTrial::Compare(Index begin, Index length) const {
   const double size = normal.diagonal().maxCoeff();
   MatrixXd driven = MatrixXd::Zero(state_.moments.cols(), length);  // z
   if (size > 0.0) {
-    normal.diagonal() *= 1.0 + kRidge;
+    normal.diagonal() *= 1.0 + kShapeRidge;
     normal.diagonal().array() += kLeastShape * size;
     driven = normal.ldlt().solve(state_.moments).transpose() * shapes;
   }

@@ -65,24 +65,24 @@ class Trial:
     def advice(self) -> str:
         """``"wait"``, ``"adopt"`` or ``"drop"``; once adopted ``"keep"`` or
         ``"roll_back"``."""
-        return self._trial.verdict()["advice"]
+        return self._trial.verdict["advice"]
 
     @property
     def changes(self) -> int:
         """Changes of set points whose whole response was seen."""
-        return self._trial.verdict()["changes"]
+        return self._trial.verdict["changes"]
 
     @property
     def left_share(self) -> float:
         """The share of what set points drive of the errors of the model in use that the
         proposed one leaves."""
-        return self._trial.verdict()["left_share"]
+        return self._trial.verdict["left_share"]
 
     @property
     def loss_ratio(self) -> float:
         """Errors several steps ahead on all records, proposed over in use. Controllers
         that answer disturbances are part of it: no advice rests on it."""
-        return self._trial.verdict()["loss_ratio"]
+        return self._trial.verdict["loss_ratio"]
 
     @property
     def evidence(self) -> Any:
@@ -91,6 +91,6 @@ class Trial:
         ln(1/level)."""
         import pandas as pd
 
-        points = self._trial.verdict()["evidence"]
+        points = self._trial.verdict["evidence"]
         frame = pd.DataFrame(points, columns=["time", "for", "against"])
         return frame.set_index("time")

@@ -52,7 +52,7 @@ void AddTrials(py::module_& module) {
              ThrowUnlessOk(trial.Look(record));
            })
       .def("adopt", &ModelTrial::Adopt)
-      .def("verdict", &VerdictOf);
+      .def_property_readonly("verdict", &VerdictOf);
 }
 
 }  // namespace mle::python
