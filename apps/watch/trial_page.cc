@@ -110,6 +110,10 @@ report::Figure EvidenceFigure(const TrialReport& report) {
       report::HorizontalLine(report::Role::kReference, "adopt, roll back",
                              limit),
       report::HorizontalLine(report::Role::kReference, "drop", -limit)};
+  if (report.adopted.has_value()) {
+    panel.lines.push_back(report::VerticalLine(
+        report::Role::kChosen, "in use from here on", report.adopted_day));
+  }
   return figure;
 }
 
@@ -235,10 +239,11 @@ void AddTrial(const TrialReport& report, report::HtmlPage& page) {
   }
   terms.emplace_back(
       "Errors several steps ahead",
-      absl::StrFormat("%.3f of those of the other model, on all records since; "
-                      "controllers that answer disturbances are part of this, "
-                      "so that nothing rests on it",
-                      report.loss_ratio));
+      absl::StrFormat(
+          "those of the model that is not in use are %.2f of those of the one "
+          "that is, on all records since; controllers that answer disturbances "
+          "are part of this, so that nothing rests on it",
+          report.loss_ratio));
   if (!report.fault.empty()) terms.emplace_back("Left out", report.fault);
   page.AddTerms(terms);
   if (!report.history.empty()) {
