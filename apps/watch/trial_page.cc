@@ -51,14 +51,15 @@ std::string LeftText(const TrialVerdict& verdict) {
       "%.0f %%", 100.0 * std::max(verdict.left_share, verdict.left_before));
 }
 
+bool IsBetter(const TrialReport& report) {
+  return !report.verdict.evidence.empty() &&
+         report.verdict.evidence.back().log_for >= -std::log(report.level);
+}
+
 std::string WhyDropped(const TrialReport& report) {
-  const TrialVerdict& verdict = report.verdict;
-  const bool is_better =
-      !verdict.evidence.empty() &&
-      verdict.evidence.back().log_for >= -std::log(report.level);
-  return is_better
+  return IsBetter(report)
              ? absl::StrCat("It is better than the model in use, but leaves ",
-                            LeftText(verdict),
+                            LeftText(report.verdict),
                             " of what set points drive of its errors: a "
                             "correction from the new records will be nearer.")
              : "It does not predict the responses to set points better than "
@@ -87,6 +88,33 @@ std::string BeforeText(const Trial& trial) {
 
 std::string Limit(const TrialReport& report) {
   return absl::StrFormat("%.0f", 1.0 / report.level);
+}
+
+// "100 with a probability of at most 1 %".
+std::string ErrorText(const TrialReport& report) {
+  return absl::StrCat(Limit(report), " with a probability of at most ",
+                      absl::StrFormat("%g", 100.0 * report.level), " %");
+}
+
+std::vector<std::string> WaitingSentences(const TrialReport& report,
+                                          const std::string& correction,
+                                          const std::string& seen,
+                                          const std::string& evidence) {
+  if (report.verdict.responses == 0 && !report.fault.empty()) {
+    return {absl::StrCat("Wait: ", correction, " is not on trial yet."),
+            report.fault};
+  }
+  std::string sentence =
+      absl::StrCat("After ", seen, " the evidence for it is ", evidence, " of ",
+                   Limit(report), ".");
+  if (IsBetter(report)) {
+    absl::StrAppend(&sentence, " It leaves ", LeftText(report.verdict),
+                    " of what set points drive of the errors of the model in "
+                    "use; to adopt it, that has to be less.");
+  }
+  return {absl::StrCat("Wait: it is not known yet whether ", correction,
+                       " is better than the model in use."),
+          sentence};
 }
 
 report::Figure EvidenceFigure(const TrialReport& report) {
@@ -148,33 +176,23 @@ std::vector<std::string> TrialSentences(const TrialReport& report) {
       absl::StrCat("the correction of ", NameOfDay(report.day));
   const double log_for =
       verdict.evidence.empty() ? 0.0 : verdict.evidence.back().log_for;
+  const std::string evidence = EvidenceText(log_for);
   const std::string seen = SeenText(verdict);
-  if (report.ended == "replaced") {
-    return {absl::StrCat("Nothing to do: another model took the place of ",
-                         correction, "."),
-            "The trial has ended."};
-  }
-  if (report.ended == "rolled_back") {
-    return {absl::StrCat("Nothing to do: the former model is in use again in "
-                         "place of ",
-                         correction, "."),
+  if (report.ended == "replaced" || report.ended == "rolled_back") {
+    return {absl::StrCat("Nothing to do: ",
+                         report.ended == "replaced" ? "another" : "the former",
+                         " model is in use in place of ", correction, "."),
             "The trial has ended."};
   }
   switch (verdict.advice) {
     case TrialAdvice::kAdopt:
-      return {
-          absl::StrCat("Adopt ", correction, "."),
-          absl::StrCat(
-              "After ", seen, " the evidence for it is ", EvidenceText(log_for),
-              "; a model that is no better would "
-              "ever reach ",
-              Limit(report),
-              " with a probability of at "
-              "most ",
-              absl::StrFormat("%g", 100.0 * report.level), " %. It leaves ",
-              LeftText(verdict),
-              " of what set points drive of the errors of the model in "
-              "use. Acknowledge the alarm once it is in use.")};
+      return {absl::StrCat("Adopt ", correction, "."),
+              absl::StrCat("After ", seen, " the evidence for it is ", evidence,
+                           "; a model that is no better would ever reach ",
+                           ErrorText(report), ". It leaves ", LeftText(verdict),
+                           " of what set points drive of the errors of the "
+                           "model in use. Acknowledge the alarm once it is in "
+                           "use.")};
     case TrialAdvice::kDrop:
       return {absl::StrCat("Drop ", correction, "."),
               absl::StrCat(WhyDropped(report), " This rests on ", seen, ".")};
@@ -184,36 +202,19 @@ std::vector<std::string> TrialSentences(const TrialReport& report) {
                            seen,
                            ", the evidence that the former model is "
                            "better is ",
-                           EvidenceText(log_for),
-                           "; if it were not, it would ever reach ",
-                           Limit(report), " with a probability of at most ",
-                           absl::StrFormat("%g", 100.0 * report.level),
-                           " %. Find out why, with the records since.")};
+                           evidence, "; if it were not, it would ever reach ",
+                           ErrorText(report),
+                           ". Find out why, with the records since.")};
     case TrialAdvice::kKeep:
       return {absl::StrCat("Keep ", correction, "."),
               absl::StrCat("In use since ", NameOfDay(report.adopted_day),
                            "; after ", seen,
                            " the evidence that the former model is better is ",
-                           EvidenceText(log_for), " of ", Limit(report), ".")};
+                           evidence, " of ", Limit(report), ".")};
     case TrialAdvice::kWait:
       break;
   }
-  if (report.ended.empty() && verdict.responses == 0 && report.level > 0.0 &&
-      !report.fault.empty()) {
-    return {absl::StrCat("Wait: ", correction, " is not on trial yet."),
-            report.fault};
-  }
-  const bool is_better = log_for >= -std::log(report.level);
-  return {absl::StrCat("Wait: it is not known yet whether ", correction,
-                       " is better than the model in use."),
-          absl::StrCat(
-              "After ", seen, " the evidence for it is ", EvidenceText(log_for),
-              " of ", Limit(report), ".",
-              is_better ? absl::StrCat(" It leaves ", LeftText(verdict),
-                                       " of what set points drive of the "
-                                       "errors of the model in use; to adopt "
-                                       "it, that has to be less.")
-                        : "")};
+  return WaitingSentences(report, correction, seen, evidence);
 }
 
 std::string ShortTrial(const std::optional<TrialReport>& report) {
