@@ -70,15 +70,17 @@ void RaiseOf(const Trial& trial, AlarmKind kind, Watch& watch) {
   watch.alarms.push_back(std::move(alarm));
 }
 
-// One day, from `first` on; its faults are said, and it is left out.
+// An error says why the day is left out.
 absl::Status LookAtDay(const DatedRecords& data, int day, Trial& trial) {
   MLE_ASSIGN_OR_RETURN(ModelTrial running, ResumeTrial(trial));
   WatchBatch batch = DayOf(data, day, running.Lead());
   if (batch.record.samples() == 0) return absl::OkStatus();
   const double begin = day * kSecondsOfDay / data.seconds_per_unit;
   batch.record.start_time = begin - batch.first * batch.record.sample_time;
-  MLE_ASSIGN_OR_RETURN(const ProcessModel in_use,
-                       ParseProcessModel(trial.in_use, "state"));
+  MLE_ASSIGN_OR_RETURN(
+      const ProcessModel in_use,
+      ParseProcessModel(
+          trial.adopted.has_value() ? trial.proposed : trial.in_use, "state"));
   std::vector<Record> records = {std::move(batch.record)};
   MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
                        ExamineRecords(in_use, {}, records));

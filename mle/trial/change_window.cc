@@ -133,7 +133,11 @@ OutputComparison CompareOutput(const Variogram& rest, const Variogram& always,
   const double more =
       std::max(1.0, std::min(of_in_use.unusual, of_proposed.unusual));
   result.deviation = std::sqrt(result.size * more * length / (length - 2.0));
-  return result;
+  // Values at the ends of their range.
+  const bool is_sound = std::isfinite(result.gain) &&
+                        std::isfinite(result.deviation) &&
+                        std::isfinite(result.in_use + result.proposed);
+  return is_sound ? result : OutputComparison();
 }
 
 }  // namespace mle

@@ -210,6 +210,24 @@ TEST(ModelTrialTest, LostSamplesAreBridged) {
   EXPECT_GE(verdict.not_judged, 1);
 }
 
+// Values at the ends of what a record may hold, and signals that stand still.
+TEST(ModelTrialTest, ExtremeRecordsSayNothing) {
+  const Record record = RecordOf({.plant_gain = 1.6, .changes = 4}, 2);
+  for (const double size : {0.0, 1e-300, 1e60}) {
+    ModelTrial trial = MakeTrial(2.0, 1.6);
+    Record extreme = record;
+    extreme.outputs = (extreme.outputs * size).cwiseMin(1e60).cwiseMax(-1e60);
+    const TrialVerdict verdict = VerdictAfter(trial, extreme);
+    EXPECT_NE(verdict.advice, TrialAdvice::kAdopt) << size;
+    EXPECT_TRUE(std::isfinite(verdict.left_share));
+    EXPECT_TRUE(std::isfinite(LossRatio(trial.state().losses)));
+    for (const TrialEvidencePoint& point : verdict.evidence) {
+      EXPECT_TRUE(std::isfinite(point.log_for));
+      EXPECT_TRUE(std::isfinite(point.log_against));
+    }
+  }
+}
+
 // Without set points moves of inputs by hand stand for them.
 TEST(ModelTrialTest, MovesByHandStandForSetPoints) {
   absl::StatusOr<ModelTrial> trial =
