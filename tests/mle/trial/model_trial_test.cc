@@ -228,6 +228,21 @@ TEST(ModelTrialTest, ExtremeRecordsSayNothing) {
   }
 }
 
+// Set points that never rest for a settling time: the noise is that of all
+// rows, errors of the models included, so that it takes longer.
+TEST(ModelTrialTest, SetPointsThatNeverRestTakeLonger) {
+  absl::StatusOr<ModelTrial> trial =
+      ModelTrial::Create(Tank(2.0), Tank(1.6), 1.0, {});
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  const TrialVerdict verdict = VerdictAfter(
+      *trial,
+      RecordOf(
+          {.plant_gain = 1.6, .changes = 120, .period = 45.0, .quiet = 80.0},
+          2));
+  EXPECT_EQ(verdict.advice, TrialAdvice::kAdopt);
+  EXPECT_GT(verdict.not_judged, 5);
+}
+
 // Without set points moves of inputs by hand stand for them.
 TEST(ModelTrialTest, MovesByHandStandForSetPoints) {
   absl::StatusOr<ModelTrial> trial =
