@@ -23,5 +23,6 @@
 #include "mle/model/process_model.h"      // IWYU pragma: export
 #include "mle/monitor/change_evidence.h"  // IWYU pragma: export
 #include "mle/monitor/model_watch.h"      // IWYU pragma: export
+#include "mle/trial/model_trial.h"        // IWYU pragma: export
 
 #endif  // MLE_MLE_H_

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/watch/source.h"
+#include "apps/watch/trial.h"
 #include "apps/watch/update.h"
 
 namespace mle::watch {
@@ -22,16 +23,17 @@ std::string LastReason(const Watch& watch) {
 }
 
 // Those of outputs tell most: of the change and when it began.
-const Alarm& LastAlarm(const Watch& watch) {
+Alarm LastAlarm(const Watch& watch) {
+  const std::vector<Alarm> alarms = AlarmsOfAgeing(watch.alarms);
   const auto last =
-      std::find_if(watch.alarms.rbegin(), watch.alarms.rend(),
+      std::find_if(alarms.rbegin(), alarms.rend(),
                    [](const Alarm& alarm) { return alarm.element < 0; });
-  return last == watch.alarms.rend() ? watch.alarms.back() : *last;
+  return last == alarms.rend() ? alarms.back() : *last;
 }
 
 Status StatusOf(const Watch& watch) {
   if (watch.failed) return Status::kFailed;
-  if (!watch.alarms.empty()) return Status::kAged;
+  if (!AlarmsOfAgeing(watch.alarms).empty()) return Status::kAged;
   if (!watch.reference.has_value()) return Status::kLearning;
   bool doubtful = false;
   for (auto day = watch.days.rbegin();
@@ -46,7 +48,7 @@ Status StatusOf(const Watch& watch) {
 // The change that the evidence of all days shows now, where it shows one; else
 // the alarm's text, which was written with the evidence up to its day.
 std::string AgedSentence(const Report& report) {
-  const Alarm& alarm = LastAlarm(*report.watch);
+  const Alarm alarm = LastAlarm(*report.watch);
   const auto output = static_cast<std::size_t>(alarm.output);
   if (output < report.outlook.trends.size()) {
     const std::string changed =
@@ -136,6 +138,8 @@ Report MakeReport(const Controller& controller, const ProcessModel& model,
     report.outlook = MakeOutlook(controller, model, watch);
     report.cost = CostOfAgeing(controller, model, watch, report.outlook.trends);
   }
+  const absl::StatusOr<double> seconds = SecondsOf(model);
+  report.trial = MakeTrialReport(watch, seconds.ok() ? *seconds : 60.0);
   report.sentence = SentenceOf(report);
   return report;
 }

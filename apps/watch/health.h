@@ -16,6 +16,7 @@
 #include "apps/watch/watch_file.h"
 #include "mle/model/process_model.h"
 #include "mle/monitor/ageing_course.h"
+#include "mle/trial/trial_verdict.h"
 
 namespace mle::watch {
 
@@ -91,6 +92,26 @@ std::string CostInterval(const CourseEstimate& cost);
 std::string CostText(const ProcessModel& model, const AgeingCost& cost);
 std::string UpdateText(const AgeingCost& cost);
 
+// The last trial of a correction, as pages show it.
+struct TrialReport {
+  struct Point {
+    double day = 0.0;        // since 1970
+    double log10_for = 0.0;  // E for the proposed model
+    double log10_against = 0.0;
+  };
+  int day = 0;       // of the correction
+  int last_day = 0;  // that was looked at
+  double level = 0.0;
+  TrialVerdict verdict;  // since the correction, or since it was adopted
+  std::vector<Point> history = {};
+  double loss_ratio = 1.0;
+  std::string ended = {};
+  std::string fault = {};
+  std::optional<Acknowledgement> adopted = {};
+  int adopted_day = 0;
+  std::vector<std::string> before = {};  // a sentence on each earlier trial
+};
+
 enum class Status {
   kFailed,      // the records or the model could not be read
   kLearning,    // the reference is being gathered
@@ -129,6 +150,7 @@ struct Report {
   std::vector<std::vector<HealthPoint>> trends;  // p, of outputs
   Outlook outlook;
   AgeingCost cost;
+  std::optional<TrialReport> trial;
   std::string sentence;
 };
 

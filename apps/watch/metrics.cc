@@ -134,6 +134,13 @@ std::string FormatMetrics(const std::vector<Report>& reports,
   AddHealth(reports, metrics);
   AddCosts(reports, metrics);
   AddAlarmMetrics(reports, metrics);
+  metrics.Begin("trial", "1 for the advice of the trial of a correction.");
+  for (const Report& report : reports) {
+    if (!report.trial.has_value()) continue;
+    metrics.Add({{"controller", report.name},
+                 {"advice", NameOf(report.trial->verdict.advice)}},
+                1.0);
+  }
   metrics.Begin("last_day_timestamp_seconds",
                 "Begin of the last day that was looked at.");
   for (const Report& report : reports) {

@@ -11,6 +11,7 @@
 #include "apps/report/text.h"
 #include "apps/watch/report.h"
 #include "apps/watch/source.h"
+#include "apps/watch/trial.h"
 
 namespace mle::watch {
 namespace {
@@ -61,9 +62,10 @@ std::string ShortTrend(const Report& report) {
 
 // How soon somebody should look: 0 first.
 int UrgencyOf(const Report& report) {
+  if (CountOpen(report.watch->alarms) > 0) return 0;
   switch (report.status) {
     case Status::kAged:
-      return CountOpen(report.watch->alarms) > 0 ? 0 : 3;
+      return 3;
     case Status::kFailed:
       return 1;
     case Status::kCannotTell:
@@ -147,6 +149,7 @@ std::string FormatOverview(const std::vector<Report>& reports,
                           {"health"},
                           {"status", Align::kLeft},
                           {"alarms", Align::kLeft},
+                          {"trial", Align::kLeft},
                           {"last day"},
                           {"days used"},
                           {"trend", Align::kLeft},
@@ -159,9 +162,10 @@ std::string FormatOverview(const std::vector<Report>& reports,
   for (const Report* report : ByUrgency(reports)) {
     table.AddRow({report->name, HealthText(*report),
                   std::string(WordsFor(report->status)), AlarmsText(*report),
-                  LastDayOf(*report), absl::StrCat(report->used_days),
-                  ShortTrend(*report), ShortCost(report->cost),
-                  ShortDate(report->cost), report->sentence});
+                  ShortTrial(report->trial), LastDayOf(*report),
+                  absl::StrCat(report->used_days), ShortTrend(*report),
+                  ShortCost(report->cost), ShortDate(report->cost),
+                  report->sentence});
     table.links.push_back(PageName(*report));
   }
   page.AddTable(table);

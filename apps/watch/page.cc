@@ -16,6 +16,7 @@
 #include "apps/watch/outlook.h"
 #include "apps/watch/report.h"
 #include "apps/watch/source.h"
+#include "apps/watch/trial.h"
 #include "apps/watch/update.h"
 
 namespace mle::watch {
@@ -28,11 +29,6 @@ constexpr int kMostHealthPoints = 400;
 constexpr report::Role kOutputRoles[] = {
     report::Role::kCorrected, report::Role::kAlternative, report::Role::kFitted,
     report::Role::kTrue};
-
-report::Axis DayAxis() {
-  return {.label = "date",
-          .dates = report::DateScale{.seconds_per_unit = kSecondsOfDay}};
-}
 
 report::Figure HealthFigure(const Report& report) {
   report::Figure figure{.height_cm = 7.0};
@@ -186,7 +182,9 @@ void AddKnownNow(const Report& report, report::HtmlPage& page) {
   page.AddHeading("What is known now");
   std::vector<std::pair<std::string, std::string>> terms;
   std::set<int> aged;
-  for (const Alarm& alarm : report.watch->alarms) aged.insert(alarm.output);
+  for (const Alarm& alarm : AlarmsOfAgeing(report.watch->alarms)) {
+    aged.insert(alarm.output);
+  }
   for (const int output : aged) {
     if (output >= report.model.num_outputs()) continue;
     terms.emplace_back(report.model.outputs()[output].name,
@@ -237,7 +235,7 @@ void AddAlarmRows(const Report& report, bool can_acknowledge,
     return;
   }
   page.AddParagraph("Each says what was known on its day.");
-  Table last = AlarmTable("The last alarm of each output");
+  Table last = AlarmTable("The last alarm of each output and of the trial");
   Table before = AlarmTable("Alarms before these");
   std::map<int, const Alarm*> last_of_output;
   for (const Alarm& alarm : report.watch->alarms) {  // in order of time
@@ -344,6 +342,11 @@ void AddUnusedDays(const Report& report, report::HtmlPage& page) {
 
 }  // namespace
 
+report::Axis DayAxis() {
+  return {.label = "date",
+          .dates = report::DateScale{.seconds_per_unit = kSecondsOfDay}};
+}
+
 std::string FormatControllerPage(const Report& report,
                                  const std::string& folder,
                                  bool can_acknowledge) {
@@ -359,6 +362,7 @@ std::string FormatControllerPage(const Report& report,
     page.AddWarning(report.watch->news);
   }
   const bool aged = report.status == Status::kAged;
+  if (report.trial.has_value()) AddTrial(*report.trial, page);
   AddKnownNow(report, page);
   if (aged) AddCost(report, page);
   AddAlarmRows(report, can_acknowledge, page);

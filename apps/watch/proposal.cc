@@ -19,6 +19,7 @@
 #include "apps/correct/result.h"
 #include "apps/report/text.h"
 #include "apps/watch/source.h"
+#include "apps/watch/trial.h"
 #include "apps/watch/update.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -41,8 +42,8 @@ class Correction {
     correct::AddOptions(request_, table_);
   }
 
-  // Into `folder`, which is there.
-  absl::Status Run(const std::string& folder, Proposal& proposal);
+  // Into `folder`, which is there. A corrected model goes on trial in `watch`.
+  absl::Status Run(const std::string& folder, Proposal& proposal, Watch& watch);
 
  private:
   Options OptionsFor(const std::string& folder);
@@ -61,7 +62,9 @@ Options Correction::OptionsFor(const std::string& folder) {
   // Not of a time before the change: a plant that changes within the records
   // has no one model.
   int from = day_ - kMostDays;
-  for (const Alarm& alarm : watch_.alarms) from = std::max(from, alarm.began);
+  for (const Alarm& alarm : AlarmsOfAgeing(watch_.alarms)) {
+    from = std::max(from, alarm.began);
+  }
   HistorianOptions range;
   sources_ = SourcesBetween(controller_, watch_, from * kSecondsOfDay,
                             (day_ + 1) * kSecondsOfDay, range);
@@ -117,7 +120,8 @@ std::string CommandFor(const Options& options) {
   return report::QuoteCommandLine(arguments);
 }
 
-absl::Status Correction::Run(const std::string& folder, Proposal& proposal) {
+absl::Status Correction::Run(const std::string& folder, Proposal& proposal,
+                             Watch& watch) {
   const Options options = OptionsFor(folder);
   MLE_RETURN_IF_ERROR(Prepare(options));
   MLE_ASSIGN_OR_RETURN(
@@ -138,6 +142,10 @@ absl::Status Correction::Run(const std::string& folder, Proposal& proposal) {
       result, json, HowToCallAgain(command, {}, correct::Checksums(result))));
   proposal.decision = NameOf(result.decision);
   proposal.conclusion = absl::StrJoin(result.verdict, " ");
+  if (result.accepted()) {
+    BeginTrial(request_.model, result.model, result.data.sample_time(),
+               result.data.records, day_, watch);
+  }
   return absl::OkStatus();
 }
 
@@ -155,11 +163,18 @@ absl::Status PutInPlace(const std::string& made, const std::string& folder) {
 }  // namespace
 
 bool NeedsProposal(const Watch& watch) {
-  if (watch.alarms.empty()) return false;
+  if (AlarmsOfAgeing(watch.alarms).empty()) return false;
+  if (!watch.trials.empty() && WaitsForRollBack(watch.trials.back())) {
+    return false;
+  }
   if (watch.proposals.empty()) return true;
   const Proposal& last = watch.proposals.back();
-  return last.decision != "corrected" &&
-         watch.last_day() >= last.day + kAgainAfter;
+  if (last.decision != "corrected") {
+    return watch.last_day() >= last.day + kAgainAfter;
+  }
+  return !watch.trials.empty() && watch.trials.back().day == last.day &&
+         HasFailed(watch.trials.back()) &&
+         watch.last_day() >= watch.trials.back().last_day + kAgainAfter;
 }
 
 void MakeProposal(const Controller& controller, const ModelFile& model,
@@ -173,7 +188,8 @@ void MakeProposal(const Controller& controller, const ModelFile& model,
   std::filesystem::remove_all(made, error);
   absl::Status status = MakeWritableFolder(made);
   if (status.ok()) {
-    status = Correction(controller, model, watch, day).Run(made, proposal);
+    status =
+        Correction(controller, model, watch, day).Run(made, proposal, watch);
   }
   if (status.ok()) status = PutInPlace(made, proposal.folder);
   std::filesystem::remove_all(made, error);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/report/figure.h"
 #include "apps/watch/health.h"
 #include "apps/watch/state.h"
 
@@ -21,6 +22,7 @@ namespace mle::watch {
 extern const char* const kMeaning;
 
 std::string LastDayOf(const Report& report);
+report::Axis DayAxis();
 std::string HealthText(const Report& report);
 
 // "2026-02-10 09:30 UTC", of seconds since 1970.

@@ -3,9 +3,11 @@
 #include <optional>
 #include <utility>
 
+#include "absl/strings/str_join.h"
 #include "apps/watch/outlook.h"
 #include "apps/watch/report.h"
 #include "apps/watch/source.h"
+#include "apps/watch/trial.h"
 #include "apps/watch/update.h"
 #include "mle/base/version.h"
 #include "mle/data/civil_time.h"
@@ -41,12 +43,15 @@ Json AlarmsOf(const Report& report) {
   for (const Alarm& alarm : report.watch->alarms) {
     // A model that cannot be read any more has no names of outputs.
     if (alarm.output >= report.model.num_outputs()) continue;
-    alarms.push_back({{"id", alarm.id},
-                      {"day", NameOfDay(alarm.day)},
-                      {"output", report.model.outputs()[alarm.output].name},
-                      {"text", alarm.text},
-                      {"deliveries", DeliveriesOf(alarm)},
-                      {"acknowledged", AcknowledgementOf(alarm)}});
+    alarms.push_back(
+        {{"id", alarm.id},
+         {"kind", std::string(NameOf(alarm.kind))},
+         {"day", NameOfDay(alarm.day)},
+         {"output",
+          alarm.output < 0 ? "" : report.model.outputs()[alarm.output].name},
+         {"text", alarm.text},
+         {"deliveries", DeliveriesOf(alarm)},
+         {"acknowledged", AcknowledgementOf(alarm)}});
   }
   return alarms;
 }
@@ -174,6 +179,42 @@ Json ProposalsOf(const Report& report) {
   return proposals;
 }
 
+Json TrialOf(const Report& report) {
+  if (!report.trial.has_value()) return nullptr;
+  const TrialReport& trial = *report.trial;
+  const TrialVerdict& verdict = trial.verdict;
+  Json json = {{"day", NameOfDay(trial.day)},
+               {"last_day", NameOfDay(trial.last_day)},
+               {"advice", std::string(NameOf(verdict.advice))},
+               {"text", absl::StrJoin(TrialSentences(trial), " ")},
+               {"ended", trial.ended},
+               {"fault", trial.fault},
+               {"level", trial.level},
+               {"changes", verdict.changes},
+               {"responses", verdict.responses},
+               {"responses_not_judged", verdict.not_judged},
+               {"left_share", verdict.left_share},
+               {"loss_ratio", trial.loss_ratio},
+               {"adopted", nullptr}};
+  if (trial.adopted.has_value()) {
+    json["adopted"] = {{"day", NameOfDay(trial.adopted_day)},
+                       {"who", trial.adopted->who},
+                       {"at", nullptr},
+                       {"note", trial.adopted->note}};
+    if (trial.adopted->at > 0) {
+      json["adopted"]["at"] =
+          FormatIsoTime(static_cast<double>(trial.adopted->at));
+    }
+  }
+  Json& history = json["history"] = Json::array();
+  for (const TrialReport::Point& point : trial.history) {
+    history.push_back({{"time", FormatIsoTime(point.day * kSecondsOfDay)},
+                       {"log10_evidence_for", point.log10_for},
+                       {"log10_evidence_against", point.log10_against}});
+  }
+  return json;
+}
+
 // The fields that lists and single answers share.
 Json SummaryOf(const Report& report) {
   Json summary = {{"name", report.name},
@@ -196,6 +237,7 @@ Json ControllerOf(const Report& report) {
   controller["next_change"] = NextChangeOf(report);
   controller["alarms"] = AlarmsOf(report);
   controller["proposals"] = ProposalsOf(report);
+  controller["trial"] = TrialOf(report);
   return controller;
 }
 
@@ -224,6 +266,10 @@ std::string FormatControllers(const std::vector<Report>& reports) {
           report.cost.points.front().cost.mean;
     }
     controller["update_pays"] = DayOrNull(report.cost.pays);
+    controller["trial"] = nullptr;
+    if (report.trial.has_value()) {
+      controller["trial"] = std::string(NameOf(report.trial->verdict.advice));
+    }
     controllers.push_back(std::move(controller));
   }
   return FormatJson({{"controllers", std::move(controllers)}});

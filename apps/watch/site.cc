@@ -39,6 +39,7 @@ void Trim(Entry& entry) {
   entry.watch.files.clear();
   entry.watch.days.clear();
   entry.watch.outputs.clear();
+  entry.watch.trials.clear();
   entry.report.trends.clear();
   for (OutputTrend& trend : entry.report.outlook.trends) {
     trend.course.points.clear();

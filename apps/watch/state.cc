@@ -29,7 +29,8 @@ CREATE TABLE score(
 CREATE TABLE alarm(
   id TEXT PRIMARY KEY, watch INTEGER NOT NULL REFERENCES watch(id),
   output INTEGER NOT NULL, element INTEGER NOT NULL, day INTEGER NOT NULL,
-  began INTEGER NOT NULL, text TEXT NOT NULL, who TEXT, at INTEGER , note TEXT);
+  began INTEGER NOT NULL, text TEXT NOT NULL, who TEXT, at INTEGER , note TEXT,
+  kind INTEGER NOT NULL DEFAULT 0);
 CREATE INDEX alarm_of_watch ON alarm(watch, day);
 CREATE TABLE delivery(
   alarm TEXT NOT NULL REFERENCES alarm(id), channel TEXT NOT NULL,
@@ -39,6 +40,12 @@ CREATE TABLE proposal(
   watch INTEGER NOT NULL REFERENCES watch(id), day INTEGER NOT NULL,
   folder TEXT NOT NULL, decision TEXT NOT NULL, conclusion TEXT NOT NULL,
   PRIMARY KEY(watch, day));
+CREATE TABLE trial(
+  watch INTEGER NOT NULL REFERENCES watch(id), day INTEGER NOT NULL,
+  last_day INTEGER NOT NULL, sample_time REAL NOT NULL, in_use TEXT NOT NULL,
+  proposed TEXT NOT NULL, ended TEXT NOT NULL, fault TEXT NOT NULL,
+  who TEXT, at INTEGER , note TEXT, adopted_day INTEGER NOT NULL,
+  data BLOB NOT NULL, PRIMARY KEY(watch, day));
 )sql";
 
 // More are damage.
@@ -122,6 +129,7 @@ absl::StatusOr<Watch> State::Read(const std::string& controller) {
   watch.checksum = row.Text(8);
   MLE_RETURN_IF_ERROR(ReadRows(watch));
   MLE_RETURN_IF_ERROR(LoadAlarms(watch));
+  MLE_RETURN_IF_ERROR(LoadTrials(watch));
   return watch;
 }
 

@@ -10,6 +10,7 @@
 //   delivery  of an alarm through a channel (command, mail, webhook): whether
 //             it has arrived, how often it was tried, what was wrong
 //   proposal  corrections that were run
+//   trial     of corrections, beside the model in use
 //
 // A watch is read whole, changed in memory and written back in one transaction:
 // a kill leaves the state of before or after. With it goes a checksum of
@@ -34,10 +35,11 @@
 #include "apps/watch/database.h"
 #include "mle/monitor/change_evidence.h"
 #include "mle/monitor/model_watch.h"
+#include "mle/trial/trial_state.h"
 
 namespace mle::watch {
 
-inline constexpr int kStateVersion = 6;
+inline constexpr int kStateVersion = 7;
 
 struct SeenFile {
   std::int64_t bytes = 0;
@@ -93,19 +95,31 @@ struct Acknowledgement {
 absl::StatusOr<Acknowledgement> MakeAcknowledgement(const std::string& who,
                                                     const std::string& note);
 
+enum class AlarmKind { kAged, kAdopt, kDrop, kRollBack };
+
+// "aged", "adopt", "drop", "roll_back".
+std::string_view NameOf(AlarmKind kind);
+
 struct Alarm {
   std::string id = {};  // the same for the same alarm, whenever it is raised
-  int output = 0;
+  AlarmKind kind = AlarmKind::kAged;
+  int output = 0;  // −1: of a trial, which is of none
   int element =
-      -1;         // of those present in the row; −1: of the output as a whole
-  int day = 0;    // since 1970
-  int began = 0;  // day that the change most likely began on
+      -1;       // of those present in the row; −1: of the output as a whole
+  int day = 0;  // since 1970
+  // Day that the change most likely began on; of a trial, of its correction.
+  int began = 0;
   std::string text = {};
   // As the state has them; saving a watch changes neither.
   std::vector<Delivery> deliveries = {};  // that were tried
   std::optional<Acknowledgement> acknowledged = {};
 };
 
+// The id of an alarm of which this is said.
+std::string AlarmId(const std::string& what);
+
+// Those that say that the model has aged.
+std::vector<Alarm> AlarmsOfAgeing(const std::vector<Alarm>& alarms);
 // Those not acknowledged.
 int CountOpen(const std::vector<Alarm>& alarms);
 
@@ -124,6 +138,23 @@ struct Proposal {
   std::string folder = {};      // of the files
   std::string decision = {};    // as in result.json, or "failed"
   std::string conclusion = {};  // in words
+};
+
+// The trial of a correction beside the model in use (mle/trial/model_trial.h).
+struct Trial {
+  int day = 0;       // of its correction
+  int last_day = 0;  // that was looked at
+  double sample_time = 0.0;
+  std::string in_use = {};  // process models, as JSON
+  std::string proposed = {};
+  // "dropped", "rolled_back", "replaced" by another model, "kept" after many
+  // responses; empty: it goes on.
+  std::string ended = {};
+  std::string fault = {};  // why it could not be begun, or look at a day
+  // By whom and since which day the correction is in use.
+  std::optional<Acknowledgement> adopted = {};
+  int adopted_day = 0;
+  TrialState state = {};
 };
 
 struct Watch {
@@ -147,6 +178,7 @@ struct Watch {
   std::vector<std::map<int, StoredBatch>> outputs;  // p, by number
   std::vector<Alarm> alarms;
   std::vector<Proposal> proposals;
+  std::vector<Trial> trials;  // in order of their days
 
   int last_day() const {
     return days.empty() ? begin - 1 : days.rbegin()->first;
@@ -199,11 +231,13 @@ class State {
   // Reads the files, days, scores and proposals of the watch with that id.
   absl::Status ReadRows(Watch& watch);
   absl::Status LoadAlarms(Watch& watch);
+  absl::Status LoadTrials(Watch& watch);
   absl::Status SaveWatch(Watch& watch);
   absl::Status SaveFiles(const Watch& now, const Watch& before);
   absl::Status SaveDays(const Watch& now, const Watch& before);
   absl::Status SaveScores(const Watch& now, const Watch& before);
   absl::Status SaveAlarms(const Watch& now);
+  absl::Status SaveTrials(const Watch& now, const Watch& before);
   // Saves the checksum of what the tables hold now.
   absl::Status SaveChecksum(const Watch& now);
   // A statement that gives no rows.
@@ -228,12 +262,18 @@ std::string EncodeBatch(const StoredBatch& stored);
 absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes, int number,
                                         int length);
 
+// The numbers of a trial's state, doubles, little-endian. DataLoss where they
+// are not those of a state; whether it fits the models ModelTrial::Resume()
+// says.
+std::string EncodeTrial(const TrialState& state);
+absl::StatusOr<TrialState> DecodeTrial(std::string_view bytes);
+
 std::string EncodeReference(const WatchReference& reference);  // JSON
 absl::StatusOr<WatchReference> DecodeReference(const std::string& json);
 
-// SHA-256 of model and options, reference, files, days, scores, alarms and
-// corrections; not of deliveries and acknowledgements, which change alone, and
-// of the words of the last run.
+// SHA-256 of model and options, reference, files, days, scores, alarms,
+// corrections and trials; not of deliveries and acknowledgements, which change
+// alone, and of the words of the last run.
 std::string ChecksumOf(const Watch& watch);
 
 }  // namespace mle::watch

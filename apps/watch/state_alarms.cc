@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "apps/common/sha256.h"
 #include "apps/report/text.h"
 #include "apps/watch/state.h"
 #include "mle/base/status.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMostName = 200;   // bytes
 constexpr std::size_t kMostNote = 1000;  // bytes
+constexpr std::size_t kIdLength = 32;
 
 std::string CleanPart(const std::string& text) {
   const std::string clean = report::CleanText(text);
@@ -44,6 +47,23 @@ std::string_view NameOf(Channel channel) {
   return kNames[static_cast<int>(channel)];
 }
 
+std::string_view NameOf(AlarmKind kind) {
+  constexpr std::string_view kNames[] = {"aged", "adopt", "drop", "roll_back"};
+  return kNames[static_cast<int>(kind)];
+}
+
+std::string AlarmId(const std::string& what) {
+  return Sha256Of(what).substr(0, kIdLength);
+}
+
+std::vector<Alarm> AlarmsOfAgeing(const std::vector<Alarm>& alarms) {
+  std::vector<Alarm> of_ageing;
+  std::copy_if(
+      alarms.begin(), alarms.end(), std::back_inserter(of_ageing),
+      [](const Alarm& alarm) { return alarm.kind == AlarmKind::kAged; });
+  return of_ageing;
+}
+
 int CountOpen(const std::vector<Alarm>& alarms) {
   return static_cast<int>(std::count_if(
       alarms.begin(), alarms.end(),
@@ -63,11 +83,16 @@ absl::Status State::LoadAlarms(Watch& watch) {
   MLE_ASSIGN_OR_RETURN(
       const Rows alarms,
       database_->Run("SELECT id, output, element, day, began, text, who, at, "
-                     "note FROM alarm WHERE watch = ? ORDER BY day, id",
+                     "note, kind FROM alarm WHERE watch = ? ORDER BY day, id",
                      {watch.id}));
   for (const Row& row : alarms) {
     Alarm& alarm = watch.alarms.emplace_back();
+    const std::int64_t kind = row.Integer(9);
+    if (kind < 0 || kind > static_cast<std::int64_t>(AlarmKind::kRollBack)) {
+      return absl::DataLossError("it has an alarm of no kind");
+    }
     alarm = {.id = row.Text(0),
+             .kind = static_cast<AlarmKind>(kind),
              .output = static_cast<int>(row.Integer(1)),
              .element = static_cast<int>(row.Integer(2)),
              .day = static_cast<int>(row.Integer(3)),

@@ -216,10 +216,21 @@ std::string ChecksumOf(const Watch& watch) {
     hash.Add(alarm.id).Add(std::int64_t{alarm.output});
     hash.Add(std::int64_t{alarm.element}).Add(std::int64_t{alarm.day});
     hash.Add(std::int64_t{alarm.began}).Add(alarm.text);
+    hash.Add(static_cast<std::int64_t>(alarm.kind));
   }
   for (const Proposal& proposal : watch.proposals) {
     hash.Add(std::int64_t{proposal.day}).Add(proposal.folder);
     hash.Add(proposal.decision).Add(proposal.conclusion);
+  }
+  for (const Trial& trial : watch.trials) {
+    hash.Add(std::int64_t{trial.day}).Add(std::int64_t{trial.last_day});
+    hash.Add(trial.sample_time).Add(trial.in_use).Add(trial.proposed);
+    hash.Add(trial.ended).Add(trial.fault);
+    hash.Add(std::int64_t{trial.adopted_day}).Add(EncodeTrial(trial.state));
+    if (trial.adopted.has_value()) {
+      hash.Add(trial.adopted->who).Add(trial.adopted->at);
+      hash.Add(trial.adopted->note);
+    }
   }
   return hash.HexDigest();
 }

@@ -21,6 +21,7 @@ absl::Status State::Save(Watch& watch) {
   if (status.ok()) status = SaveDays(watch, before);
   if (status.ok()) status = SaveScores(watch, before);
   if (status.ok()) status = SaveAlarms(watch);
+  if (status.ok()) status = SaveTrials(watch, before);
   if (status.ok()) status = SaveChecksum(watch);
   if (status.ok()) status = transaction.Commit();
   if (!status.ok()) watch.id = id;
@@ -110,11 +111,11 @@ absl::Status State::SaveScores(const Watch& now, const Watch& before) {
 // Alarms that are in the state already stay as they are.
 absl::Status State::SaveAlarms(const Watch& now) {
   for (const Alarm& alarm : now.alarms) {
-    MLE_RETURN_IF_ERROR(
-        Write("INSERT INTO alarm(id, watch, output, element, day, began, text) "
-              "VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
-              {alarm.id, now.id, alarm.output, alarm.element, alarm.day,
-               alarm.began, alarm.text}));
+    MLE_RETURN_IF_ERROR(Write(
+        "INSERT INTO alarm(id, watch, output, element, day, began, text, "
+        "kind) VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
+        {alarm.id, now.id, alarm.output, alarm.element, alarm.day, alarm.began,
+         alarm.text, static_cast<std::int64_t>(alarm.kind)}));
   }
   for (const Proposal& made : now.proposals) {
     MLE_RETURN_IF_ERROR(

@@ -13,6 +13,7 @@
 #include "apps/report/text.h"
 #include "apps/watch/outlook.h"
 #include "apps/watch/source.h"
+#include "apps/watch/trial.h"
 #include "mle/base/status.h"
 
 namespace mle::watch {
@@ -21,7 +22,6 @@ namespace {
 // Samples that come later than this change nothing: the days around them have
 // been merged.
 constexpr int kLatest = 60;
-constexpr std::size_t kIdLength = 32;
 
 // The state keeps the lower triangle alone.
 void Mirror(Eigen::MatrixXd& information) {
@@ -129,14 +129,14 @@ absl::Status Update::ScoreDays(const ModelWatch& model,
 
 void Update::Raise(Alarm alarm) {
   for (const Alarm& raised : watch_.alarms) {
-    if (raised.output == alarm.output && raised.element == alarm.element) {
+    if (raised.kind == alarm.kind && raised.output == alarm.output &&
+        raised.element == alarm.element) {
       return;
     }
   }
-  alarm.id = Sha256Of(absl::StrCat(watch_.controller, "\n", watch_.basis, "\n",
-                                   watch_.first, "\n", alarm.output, "\n",
-                                   alarm.element));
-  alarm.id.resize(kIdLength);
+  alarm.id = AlarmId(absl::StrCat(watch_.controller, "\n", watch_.basis, "\n",
+                                  watch_.first, "\n", alarm.output, "\n",
+                                  alarm.element));
   watch_.alarms.push_back(std::move(alarm));
 }
 
@@ -204,12 +204,15 @@ absl::Status Update::Run() {
     next.basis = basis;
     next.begin = watch_.id == 0 ? 0 : watch_.last_day() + 1;
     next.outputs.resize(model_.num_outputs());
+    next.trials = CarryTrials(model_, watch_);
     watch_ = std::move(next);
   }
+  TakeAdoption(watch_);
   MLE_ASSIGN_OR_RETURN(std::optional<NewRecords> news,
                        ReadNew(controller_, model_, watch_));
   if (!news.has_value()) return absl::OkStatus();
   for (const std::string& fault : news->faults) Tell(fault);
+  ContinueTrial(news->data, watch_);
   if (!news->data.records.empty()) {
     MLE_ASSIGN_OR_RETURN(
         const ModelWatch model,

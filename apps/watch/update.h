@@ -37,14 +37,16 @@ std::string Describe(const ProcessModel& model, int output,
 // The correction that is run when the evidence suffices, and kept as a
 // proposal: nothing is ever written to a controller.
 
-// Whether there is an alarm, and no proposal for it, or one that could not tell
-// and is two weeks old.
+// Whether there is an alarm that the model has aged, and no proposal for it, or
+// one that could not tell and is two weeks old, or whose trial came to nothing
+// two weeks ago; never while a trial says to roll back.
 bool NeedsProposal(const Watch& watch);
 
 // Corrects the model by the records since the change most likely began, of 60
 // days at most (CorrectFromData()), writes what mle_correct writes into
 // FOLDER/<name of the file for the controller>/<day>, whole or not at all, and
-// adds what came of it to the watch. A correction that fails, or takes longer
+// adds what came of it to the watch; a corrected model goes on trial (trial.h).
+// A correction that fails, or takes longer
 // than an hour, is a proposal that says so.
 void MakeProposal(const Controller& controller, const ModelFile& model,
                   const std::string& folder, Watch& watch);

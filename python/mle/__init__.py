@@ -52,6 +52,7 @@ from .model import DisturbanceModel, from_fopdt, from_step_responses, from_trans
 from .mpc import Mpc
 from .records import read_records, to_dataframe
 from .simulation import simulate, simulate_options
+from .trial import Trial
 
 # Work that an interrupt left behind ends before the interpreter does.
 _atexit.register(_mle._join_left_behind)
@@ -79,6 +80,7 @@ __all__ = [
     "StepResponse",
     "StepResponseModel",
     "StudyResult",
+    "Trial",
     "__version__",
     "advice",
     "compare",

@@ -1,6 +1,6 @@
 """What of the package is compiled."""
 
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 import os
 
 import numpy as np
@@ -166,6 +166,16 @@ class Plant:
         """(p,)"""
     def advance(self, inputs: ArrayLike) -> Array:
         """Of inputs (m,) the outputs (p,) at the next sample."""
+
+class _Trial:
+    def __init__(
+        self, in_use: Any, proposed: Any, sample_time: float, level: float
+    ) -> None: ...
+    def learn(self, record: Record) -> None: ...
+    def look(self, record: Record) -> None: ...
+    def adopt(self) -> None: ...
+    @property
+    def verdict(self) -> Dict[str, Any]: ...
 
 class _Correction:
     def json(self) -> str: ...

@@ -18,6 +18,7 @@ void AddController(pybind11::module_& module);
 void AddStudies(pybind11::module_& module);
 void AddPrediction(pybind11::module_& module);
 void AddLifecycles(pybind11::module_& module);
+void AddTrials(pybind11::module_& module);
 
 }  // namespace mle::python
 

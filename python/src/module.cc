@@ -46,6 +46,7 @@ PYBIND11_MODULE(_mle, module) {
   mle::python::AddStudies(module);
   mle::python::AddLifecycles(module);
   mle::python::AddPrediction(module);
+  mle::python::AddTrials(module);
   module.def("_join_left_behind", &mle::python::JoinLeftBehind);
   mle::python::RefuseObjectsWithoutInit(module);
 }

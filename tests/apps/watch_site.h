@@ -4,6 +4,7 @@
 #ifndef TESTS_APPS_WATCH_SITE_H_
 #define TESTS_APPS_WATCH_SITE_H_
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -32,10 +33,10 @@ inline std::string TankJson(double gain) {
 }
 
 // Days of a tank whose operator moves the steam, from 2026-01-01 on; its gain
-// falls by a tenth on day `aged`.
+// falls by a tenth on day `aged`, and is what it was from day `back` on.
 class TankDays {
  public:
-  TankDays(int days, int aged) {
+  TankDays(int days, int aged, int back = 1'000'000) {
     Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(1, days * kSamplesOfDay);
     for (int day = 0; day < days; ++day) {
       const double size = day % 2 == 0 ? 1.0 : -0.8;
@@ -47,7 +48,8 @@ class TankDays {
     const Eigen::MatrixXd after = Response(1.8, inputs);
     GaussianNoise noise(1, kRunStream);
     outputs_ = before;
-    for (int k = aged * kSamplesOfDay; k < inputs.cols(); ++k) {
+    const int end = std::min(days, back) * kSamplesOfDay;
+    for (int k = aged * kSamplesOfDay; k < end; ++k) {
       outputs_(0, k) = after(0, k);
     }
     outputs_ += noise.DrawMatrix(1, static_cast<int>(inputs.cols()), 0.05);

@@ -33,6 +33,8 @@ BEGIN {
   allowed["mle/maintain"] = all_of_mle
   all_of_mle = all_of_mle " mle/monitor"
   allowed["mle/monitor"] = all_of_mle
+  allowed["mle/trial"] = all_of_mle " mle/trial"
+  all_of_mle = all_of_mle " mle/trial"
   # The front door.
   allowed["mle/mle.h"] = all_of_mle
   all_of_mle = all_of_mle " mle/mle.h"
