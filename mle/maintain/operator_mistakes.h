@@ -24,8 +24,8 @@
 //   time unit  10 nats better than as recorded with free gains
 //
 // Where a row or column has one element only, nothing distinguishes a mistake
-// from ageing but the number: 1.8, 60, 100, 1000 and their inverses, to 5 %,
-// and a sign, which ageing does not turn.
+// from ageing but the number: 60, 100, 1000 and their inverses, to 2 %, and a
+// sign, which ageing does not turn.
 
 #ifndef MLE_MAINTAIN_OPERATOR_MISTAKES_H_
 #define MLE_MAINTAIN_OPERATOR_MISTAKES_H_
