@@ -45,14 +45,6 @@ constexpr double kLeastPlacebo = 1e-2;
 // Time constants nearer than this factor leave the same free response.
 constexpr double kSameLag = 1.3;
 
-double RangeOf(const RecordSignal& signal) {
-  double range = 0.0;
-  for (const VectorXd& values : signal) {
-    range = std::max(range, values.maxCoeff() - values.minCoeff());
-  }
-  return range;
-}
-
 int MovesOf(const RecordSignal& signal) {
   int moves = 0;
   for (const VectorXd& values : signal) {

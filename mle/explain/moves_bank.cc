@@ -62,14 +62,6 @@ Functions LaguerreOf(const VectorXd& signal, double pole, int functions,
   return result;
 }
 
-double RangeOf(const RecordSignal& signal) {
-  double range = 0.0;
-  for (const VectorXd& values : signal) {
-    range = std::max(range, values.maxCoeff() - values.minCoeff());
-  }
-  return std::max(range, 1e-300);
-}
-
 int ShiftOf(double share, int samples) {
   return static_cast<int>(share * static_cast<double>(samples));
 }
@@ -81,6 +73,14 @@ int Later(int at, int shift, int samples) {
 
 }  // namespace
 
+double RangeOf(const RecordSignal& signal) {
+  double range = 0.0;
+  for (const VectorXd& values : signal) {
+    range = std::max(range, values.maxCoeff() - values.minCoeff());
+  }
+  return range;
+}
+
 MovesBank::MovesBank(const ExplainedOutput& output,
                      const std::vector<RecordSignal>& signals, int functions,
                      double time)
@@ -91,7 +91,7 @@ MovesBank::MovesBank(const ExplainedOutput& output,
     samples_.push_back(record.samples());
   }
   for (const RecordSignal& signal : signals) {
-    const double range = RangeOf(signal);
+    const double range = std::max(RangeOf(signal), 1e-300);
     Moves moves;
     for (const VectorXd& values : signal) {
       std::vector<Move>& of_record = moves.emplace_back();

@@ -23,6 +23,8 @@ namespace mle {
 
 // A signal of each record, without gaps.
 using RecordSignal = std::vector<Eigen::VectorXd>;
+// The largest within a record.
+double RangeOf(const RecordSignal& signal);
 
 class MovesBank {
  public:
