@@ -241,8 +241,9 @@ void AddTrial(const TrialReport& report, report::HtmlPage& page) {
   terms.emplace_back(
       "Errors several steps ahead",
       absl::StrFormat(
-          "those of the model that is not in use are %.2f of those of the one "
-          "that is, on all records since; controllers that answer disturbances "
+          "those of the model that is not in use are %.2f times those of the "
+          "one that is, on all records since; controllers that answer "
+          "disturbances "
           "are part of this, so that nothing rests on it",
           report.loss_ratio));
   if (!report.fault.empty()) terms.emplace_back("Left out", report.fault);
