@@ -1,0 +1,320 @@
+#include "mle/plan/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
+#include "mle/base/status.h"
+#include "mle/plan/plan_problem.h"
+#include "mle/plan/plan_row.h"
+#include "mle/plan/plan_search.h"
+#include "mle/plan/plan_shape.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Searches with wider and wider bands, until the limits hold for all plants.
+constexpr int kMostRounds = 5;
+constexpr double kWider = 1.03;
+constexpr double kNearEnough = 1.05;  // of the error wanted, at last
+// Corrections of the size by the bound of the estimate itself.
+constexpr int kMostCorrections = 4;
+constexpr double kLargestCorrection = 2.0;
+constexpr double kEnough = 1.005;  // of the error wanted
+
+// Set points have two digits, of the largest move: away from zero, or `down`.
+MatrixXd Rounded(const MatrixXd& levels, bool down) {
+  MatrixXd rounded = levels;
+  for (Index i = 0; i < levels.rows(); ++i) {
+    const double largest = levels.row(i).cwiseAbs().maxCoeff();
+    if (!(largest > 0.0)) continue;
+    const double digit = std::pow(10.0, std::floor(std::log10(largest)) - 1.0);
+    for (double& level : rounded.row(i)) {
+      const double digits = std::abs(level) / digit;
+      level = std::copysign(
+          digit * (down ? std::floor(digits + 0.01) : std::ceil(digits - 0.01)),
+          level);
+    }
+  }
+  return rounded;
+}
+
+class PlanMaker {
+ public:
+  PlanMaker(const PlanProblem& problem, const PlanOptions& options)
+      : problem_(problem), options_(options) {}
+
+  absl::StatusOr<Plan> Make();
+
+ private:
+  // Answers with the errors before; what is open.
+  absl::StatusOr<std::vector<OpenQuestion>> Ask(
+      const std::vector<PlanRow>& rows);
+  // Sets the errors after a record of the plan; the largest over that wanted.
+  absl::StatusOr<double> AnswerBy(const std::vector<PlanRow>& rows,
+                                  const Record& expected);
+  // The plan's record for the estimate, with what is before it.
+  Record WithLead(const Record& expected) const;
+  absl::StatusOr<Record> Expect(const PlanShape& shape) const;
+  absl::StatusOr<PlanBand> Simulate(
+      const PlanShape& shape, const std::vector<ProcessModel>& plants) const {
+    return BandOf(problem_, plants, SetPointsOf(shape, 1.0, grid_),
+                  options_.threads);
+  }
+  PlanShape Scaled(const PlanShape& shape, double size, bool down) const;
+  // `shape` of a size that suffices, as the evaluator then demands.
+  absl::StatusOr<PlanShape> Sized(const std::vector<PlanRow>& rows,
+                                  const PlanShape& shape,
+                                  ShapeEvaluator& evaluator);
+  // The factor ≤ 1 of its size with which the plan keeps the limits in the
+  // whole band; spreads become those of the band where it is below 1.
+  double Fit(const Record& expected, const PlanBand& band,
+             ShapeEvaluator& evaluator) const;
+  void Write(const ShapeEvaluator& evaluator, const PlanShape& shape,
+             const Record& expected, const PlanBand& band);
+  std::string Hindrance(const ShapeValue& value) const;
+
+  const PlanProblem& problem_;
+  const PlanOptions& options_;
+  PlanGrid grid_;
+  Plan plan_;
+};
+
+absl::StatusOr<std::vector<OpenQuestion>> PlanMaker::Ask(
+    const std::vector<PlanRow>& rows) {
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<MatrixXd> known,
+      InformationOfWindows(problem_, problem_.windows, rows, options_.threads));
+  std::vector<OpenQuestion> open;
+  for (const PlanQuestion& question : problem_.questions) {
+    const auto i = static_cast<std::size_t>(question.output);
+    OpenQuestion asked{
+        question, rows[i].Place(question.input, question.parameter), known[i]};
+    if (asked.place < 0) {
+      return InvalidArgument(
+          "plan: ", PairName(problem_.plant, question.output, question.input),
+          " has no time constant to be known");
+    }
+    if (question.alone) asked.information.setZero();
+    const double before = ErrorBy(asked.information, asked.place);
+    plan_.answers.push_back({question, before, before});
+    if (before > question.error) open.push_back(std::move(asked));
+  }
+  return open;
+}
+
+Record PlanMaker::WithLead(const Record& expected) const {
+  // The first samples of a window are not used while former inputs may act.
+  const auto lead = static_cast<Index>(
+      std::ceil(SettlingTime(problem_.plant) / problem_.sample_time));
+  const Index samples = expected.outputs.cols();
+  Record record;
+  record.sample_time = problem_.sample_time;
+  record.outputs = MatrixXd::Zero(expected.outputs.rows(), lead + samples);
+  record.inputs = MatrixXd::Zero(expected.inputs.rows(), lead + samples);
+  record.outputs.rightCols(samples) = expected.outputs;
+  record.inputs.rightCols(samples) = expected.inputs;
+  return record;
+}
+
+absl::StatusOr<double> PlanMaker::AnswerBy(const std::vector<PlanRow>& rows,
+                                           const Record& expected) {
+  const std::vector<Record> alone = {WithLead(expected)};
+  std::vector<Record> all = problem_.windows;
+  all.push_back(alone.front());
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<MatrixXd> together,
+      InformationOfWindows(problem_, all, rows, options_.threads));
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<MatrixXd> by_plan,
+      InformationOfWindows(problem_, alone, rows, options_.threads));
+  double most = 0.0;
+  for (PlanAnswer& answer : plan_.answers) {
+    const PlanQuestion& question = answer.question;
+    const auto i = static_cast<std::size_t>(question.output);
+    answer.after = ErrorBy(question.alone ? by_plan[i] : together[i],
+                           rows[i].Place(question.input, question.parameter));
+    most = std::max(most, answer.after / question.error);
+  }
+  return most;
+}
+
+absl::StatusOr<Record> PlanMaker::Expect(const PlanShape& shape) const {
+  return problem_.loop(problem_.plant, SetPointsOf(shape, 1.0, grid_));
+}
+
+PlanShape PlanMaker::Scaled(const PlanShape& shape, double size,
+                            bool down) const {
+  PlanShape scaled = shape;
+  scaled.levels = grid_.scale.cwiseInverse().asDiagonal() *
+                  Rounded(size * grid_.scale.asDiagonal() * shape.levels, down);
+  return scaled;
+}
+
+absl::StatusOr<PlanShape> PlanMaker::Sized(const std::vector<PlanRow>& rows,
+                                           const PlanShape& shape,
+                                           ShapeEvaluator& evaluator) {
+  const ShapeValue value = evaluator.Evaluate(shape);
+  double size = value.size;
+  for (int round = 1;; ++round) {
+    PlanShape sized = Scaled(shape, size, !value.reaches);
+    MLE_ASSIGN_OR_RETURN(const Record expected, Expect(sized));
+    MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(rows, expected));
+    if (!value.reaches || most <= kEnough || round == kMostCorrections) {
+      evaluator.SetDemand(evaluator.demand() * size / value.size);
+      return sized;
+    }
+    size *= std::min(most, kLargestCorrection);
+  }
+}
+
+double PlanMaker::Fit(const Record& expected, const PlanBand& band,
+                      ShapeEvaluator& evaluator) const {
+  const Index p = problem_.plant.num_outputs();
+  const Index m = problem_.plant.num_inputs();
+  VectorXd up = evaluator.spread_up();
+  VectorXd down = evaluator.spread_down();
+  double fit = 1.0;
+  for (Index c = 0; c < p + m; ++c) {
+    const bool output = c < p;
+    const Index i = output ? c : c - p;
+    const double kept =
+        options_.deviations *
+        (output ? problem_.output_deviations(i) : problem_.input_deviations(i));
+    const double at = output ? problem_.set_points(i) : problem_.inputs(i);
+    const VectorXd row = output ? expected.outputs.row(i).transpose()
+                                : expected.inputs.row(i).transpose();
+    const auto check = [&](const VectorXd& limits, double sign, double farthest,
+                           double most, double& spread) {
+      if (limits.size() == 0 || !std::isfinite(limits(i))) return;
+      const double room = sign * (limits(i) - at) - kept;
+      if (farthest <= room) return;
+      fit = std::min(fit, room / farthest);
+      if (most > 0.0) spread = std::max(spread, kWider * farthest / most);
+    };
+    check(output ? options_.max_output : options_.max_input, 1.0,
+          band.high.row(c).maxCoeff(), row.maxCoeff(), up(c));
+    check(output ? options_.min_output : options_.min_input, -1.0,
+          -band.low.row(c).minCoeff(), -row.minCoeff(), down(c));
+  }
+  evaluator.SetSpread(up, down);
+  return fit;
+}
+
+std::string PlanMaker::Hindrance(const ShapeValue& value) const {
+  const ProcessModel& plant = problem_.plant;
+  const int p = plant.num_outputs();
+  const int m = plant.num_inputs();
+  if (value.channel < 0) {
+    return "no change of the set points within the longest duration tells the "
+           "inputs apart";
+  }
+  const char* const which = value.upper ? "upper" : "lower";
+  if (value.channel < p || value.channel >= p + m) {
+    const int i = value.channel < p ? value.channel : value.channel - p - m;
+    return absl::StrCat("the ", which, " limit of ", plant.outputs()[i].name);
+  }
+  return absl::StrCat("the ", which, " limit of ",
+                      plant.inputs()[value.channel - p].name);
+}
+
+void PlanMaker::Write(const ShapeEvaluator& evaluator, const PlanShape& shape,
+                      const Record& expected, const PlanBand& band) {
+  const Index p = problem_.plant.num_outputs();
+  const Index m = problem_.plant.num_inputs();
+  double time = 0.0;
+  for (std::size_t s = 0; s < shape.holds.size(); ++s) {
+    const VectorXd level =
+        shape.levels.col(static_cast<Index>(s)).cwiseProduct(grid_.scale);
+    plan_.steps.push_back({time, problem_.set_points + level});
+    time += shape.holds[s] * grid_.step;
+  }
+  plan_.steps.push_back({time, problem_.set_points});
+  plan_.duration = time;
+  MatrixXd coarse(p, expected.outputs.cols() / grid_.samples);
+  for (Index k = 0; k < coarse.cols(); ++k) {
+    coarse.col(k) = expected.outputs.col(k * grid_.samples);
+  }
+  plan_.cost = evaluator.CostOf(coarse);
+  plan_.expected = expected;
+  plan_.expected.start_time = 0.0;
+  plan_.expected.sample_time = problem_.sample_time;
+  plan_.expected.set_points = SetPointsOf(shape, 1.0, grid_);
+  plan_.expected.set_points.colwise() += problem_.set_points;
+  plan_.expected.outputs.colwise() += problem_.set_points;
+  plan_.expected.inputs.colwise() += problem_.inputs;
+  const auto widened = [&](const MatrixXd& extremes, double sign, Index first,
+                           const VectorXd& at, const VectorXd& deviations) {
+    MatrixXd rows = extremes.middleRows(first, at.size());
+    rows.colwise() += at + sign * options_.deviations * deviations;
+    return rows;
+  };
+  plan_.low_outputs = widened(band.low, -1.0, 0, problem_.set_points,
+                              problem_.output_deviations);
+  plan_.high_outputs = widened(band.high, 1.0, 0, problem_.set_points,
+                               problem_.output_deviations);
+  plan_.low_inputs = widened(band.low.bottomRows(m), -1.0, 0, problem_.inputs,
+                             problem_.input_deviations);
+  plan_.high_inputs = widened(band.high.bottomRows(m), 1.0, 0, problem_.inputs,
+                              problem_.input_deviations);
+  plan_.left_out = band.left_out;
+}
+
+absl::StatusOr<Plan> PlanMaker::Make() {
+  MLE_RETURN_IF_ERROR(CheckProblem(problem_, options_));
+  std::vector<PlanRow> rows;
+  for (int i = 0; i < problem_.plant.num_outputs(); ++i) {
+    MLE_ASSIGN_OR_RETURN(
+        PlanRow row, PlanRow::Create(problem_.plant, i, problem_.sample_time));
+    rows.push_back(std::move(row));
+  }
+  MLE_ASSIGN_OR_RETURN(std::vector<OpenQuestion> open, Ask(rows));
+  if (open.empty()) return std::move(plan_);
+  grid_ = MakePlanGrid(problem_, options_);
+  MLE_ASSIGN_OR_RETURN(
+      ShapeEvaluator evaluator,
+      ShapeEvaluator::Create(problem_, options_, grid_, rows, std::move(open)));
+  const ShapeBounds bounds = MakeShapeBounds(problem_, options_, grid_);
+  MLE_ASSIGN_OR_RETURN(const std::vector<ProcessModel> plants,
+                       DrawPlants(problem_, options_));
+  plan_.plants = static_cast<int>(plants.size());
+  PlanShape shape = FindShape(evaluator, bounds);
+  for (int round = 1;; ++round) {
+    MLE_ASSIGN_OR_RETURN(PlanShape sized, Sized(rows, shape, evaluator));
+    MLE_ASSIGN_OR_RETURN(Record expected, Expect(sized));
+    MLE_ASSIGN_OR_RETURN(PlanBand band, Simulate(sized, plants));
+    const double fit = Fit(expected, band, evaluator);
+    if (fit < 1.0 && round < kMostRounds) {
+      shape = RefineShape(evaluator, bounds, std::move(shape));
+      continue;
+    }
+    if (fit < 1.0) {
+      sized = Scaled(sized, fit, /*down=*/true);
+      MLE_ASSIGN_OR_RETURN(expected, Expect(sized));
+      MLE_ASSIGN_OR_RETURN(band, Simulate(sized, plants));
+    }
+    MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(rows, expected));
+    plan_.state =
+        most <= kNearEnough ? Plan::State::kFound : Plan::State::kOutOfReach;
+    if (plan_.state == Plan::State::kOutOfReach) {
+      plan_.hindrance = Hindrance(evaluator.Evaluate(shape));
+    }
+    Write(evaluator, sized, expected, band);
+    return std::move(plan_);
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<Plan> FindPlan(const PlanProblem& problem,
+                              const PlanOptions& options) {
+  return PlanMaker(problem, options).Make();
+}
+
+}  // namespace mle

@@ -1,0 +1,138 @@
+// The shape of a plan, and what it is worth: the least size that brings what is
+// wanted, and what that costs. Internal to mle/plan; the equations are in
+// plan.h.
+//
+// The loop's answer to a unit step of each set point is known; those to a shape
+// are sums of them, on a grid of times that is coarse beside the samples: what
+// whitened sensitivities tell is counted once for each of the samples between.
+
+#ifndef MLE_PLAN_PLAN_SHAPE_H_
+#define MLE_PLAN_PLAN_SHAPE_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/plan/plan.h"
+#include "mle/plan/plan_row.h"
+
+namespace mle {
+
+// Set points (p × S, in units of PlanGrid::scale) held for `holds` (S, in steps
+// of the grid) one after the other, then back.
+struct PlanShape {
+  Eigen::MatrixXd levels;
+  std::vector<int> holds;
+
+  int duration() const;
+};
+
+struct PlanGrid {
+  int samples = 1;        // of a step
+  double step = 0.0;      // in the model's time unit
+  int lead = 0;           // steps used before the first move
+  int tail = 0;           // and after the last
+  int longest = 0;        // of a shape
+  Eigen::VectorXd scale;  // p, a unit of each set point
+
+  int length() const { return longest + tail; }
+};
+
+PlanGrid MakePlanGrid(const PlanProblem& problem, const PlanOptions& options);
+
+// The set points (p × N) of a shape of this size, a column for each sample,
+// with what follows it.
+Eigen::MatrixXd SetPointsOf(const PlanShape& shape, double size,
+                            const PlanGrid& grid);
+
+// A question with what is known before the plan.
+struct OpenQuestion {
+  PlanQuestion question;
+  Eigen::Index place = 0;       // of its row's parameters
+  Eigen::MatrixXd information;  // I₀
+};
+
+struct ShapeValue {
+  // To be minimised: ln of the cost, with a price on moves; beyond 1,000 where
+  // what is wanted is out of reach, then ln of what is missing.
+  double objective = 0.0;
+  double size = 0.0;  // of the levels; the largest allowed if out of reach
+  double cost = 0.0;
+  bool reaches = false;
+  int channel = -1;  // that limits the size: outputs, inputs, set points
+  bool upper = true;
+};
+
+class ShapeEvaluator {
+ public:
+  // Simulates the steps. `questions` are of one row or several.
+  static absl::StatusOr<ShapeEvaluator> Create(
+      const PlanProblem& problem, const PlanOptions& options,
+      const PlanGrid& grid, const std::vector<PlanRow>& rows,
+      std::vector<OpenQuestion> questions);
+
+  // How much farther than expected each output and input (p + m) may go up and
+  // down, as a factor ≥ 1.
+  void SetSpread(const Eigen::VectorXd& up, const Eigen::VectorXd& down);
+  const Eigen::VectorXd& spread_up() const { return spread_up_; }
+  const Eigen::VectorXd& spread_down() const { return spread_down_; }
+
+  // A factor of the least sizes, for what the grid does not tell.
+  void SetDemand(double demand) { demand_ = demand; }
+  double demand() const { return demand_; }
+
+  ShapeValue Evaluate(const PlanShape& shape) const;
+  // What `outputs` (p × n steps) cost.
+  double CostOf(const Eigen::Ref<const Eigen::MatrixXd>& outputs) const;
+  const PlanGrid& grid() const { return grid_; }
+
+ private:
+  // A row of parameters in question: where its sensitivities are.
+  struct Part {
+    Eigen::Index first = 0;
+    Eigen::Index count = 0;
+    Eigen::RowVectorXd offset;  // whitened, from the lead on
+  };
+  struct Asked {
+    OpenQuestion open;
+    std::size_t part = 0;
+    Eigen::MatrixXd root;  // I₀ and next to nothing = L Lᵀ
+  };
+
+  ShapeEvaluator() = default;
+  absl::Status AddSteps(const PlanProblem& problem,
+                        const std::vector<PlanRow>& rows,
+                        const PlanOptions& options);
+  Eigen::MatrixXd Answer(const PlanShape& shape) const;
+  std::vector<Eigen::MatrixXd> Informations(
+      const Eigen::MatrixXd& answer) const;
+  // The least size for all questions, and the largest error over that wanted
+  // at `size`.
+  double LeastSize(const std::vector<Eigen::MatrixXd>& informations) const;
+  double Shortfall(const std::vector<Eigen::MatrixXd>& informations,
+                   double size) const;
+  void Limit(const PlanShape& shape, const Eigen::MatrixXd& answer, double sign,
+             ShapeValue& value) const;
+
+  PlanGrid grid_;
+  double demand_ = 1.0;
+  int p_ = 0;
+  int m_ = 0;
+  std::vector<Part> parts_;
+  std::vector<Asked> asked_;
+  // For each set point, p + m + Σ n rows: deviations of outputs and inputs and
+  // whitened sensitivities; empty of one that does not move.
+  std::vector<Eigen::MatrixXd> steps_;
+  Eigen::VectorXd squared_price_;
+  Eigen::VectorXd absolute_price_;
+  Eigen::VectorXd deviations_;  // p, σ
+  // 2p + m: how far outputs, inputs and set points may go.
+  Eigen::VectorXd room_up_;
+  Eigen::VectorXd room_down_;
+  Eigen::VectorXd spread_up_;
+  Eigen::VectorXd spread_down_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_PLAN_PLAN_SHAPE_H_
