@@ -22,19 +22,22 @@ using Eigen::VectorXd;
 // Searches with wider and wider bands, until the limits hold for all plants.
 constexpr int kMostRounds = 5;
 constexpr double kWider = 1.03;
+// Plants over which squared errors are averaged: what is expected, and some
+// drawn.
+constexpr std::size_t kPlants = 5;
 constexpr double kNearEnough = 1.05;  // of the error wanted, at last
 // Corrections of the size by the bound of the estimate itself.
 constexpr int kMostCorrections = 4;
 constexpr double kLargestCorrection = 2.0;
 constexpr double kEnough = 1.005;  // of the error wanted
 
-// Set points have two digits, of the largest move: away from zero, or `down`.
+// Set points have three digits, of the largest move: away from zero, or `down`.
 MatrixXd Rounded(const MatrixXd& levels, bool down) {
   MatrixXd rounded = levels;
   for (Index i = 0; i < levels.rows(); ++i) {
     const double largest = levels.row(i).cwiseAbs().maxCoeff();
     if (!(largest > 0.0)) continue;
-    const double digit = std::pow(10.0, std::floor(std::log10(largest)) - 1.0);
+    const double digit = std::pow(10.0, std::floor(std::log10(largest)) - 2.0);
     for (double& level : rounded.row(i)) {
       const double digits = std::abs(level) / digit;
       level = std::copysign(
@@ -43,6 +46,16 @@ MatrixXd Rounded(const MatrixXd& levels, bool down) {
     }
   }
   return rounded;
+}
+
+absl::StatusOr<std::vector<PlanRow>> RowsOf(const PlanProblem& problem) {
+  std::vector<PlanRow> rows;
+  for (int i = 0; i < problem.plant.num_outputs(); ++i) {
+    MLE_ASSIGN_OR_RETURN(
+        PlanRow row, PlanRow::Create(problem.plant, i, problem.sample_time));
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 class PlanMaker {
@@ -56,11 +69,13 @@ class PlanMaker {
   // Answers with the errors before; what is open.
   absl::StatusOr<std::vector<OpenQuestion>> Ask(
       const std::vector<PlanRow>& rows);
-  // Sets the errors after a record of the plan; the largest over that wanted.
-  absl::StatusOr<double> AnswerBy(const std::vector<PlanRow>& rows,
-                                  const Record& expected);
+  // Sets the errors after a plan, root mean squares over plants_; the largest
+  // over that wanted.
+  absl::StatusOr<double> AnswerBy(const PlanShape& shape);
   // The plan's record for the estimate, with what is before it.
   Record WithLead(const Record& expected) const;
+  // Those over which squared errors are averaged.
+  absl::Status ChoosePlants(const std::vector<ProcessModel>& drawn);
   absl::StatusOr<Record> Expect(const PlanShape& shape) const;
   absl::StatusOr<PlanBand> Simulate(
       const PlanShape& shape, const std::vector<ProcessModel>& plants) const {
@@ -69,8 +84,7 @@ class PlanMaker {
   }
   PlanShape Scaled(const PlanShape& shape, double size, bool down) const;
   // `shape` of a size that suffices, as the evaluator then demands.
-  absl::StatusOr<PlanShape> Sized(const std::vector<PlanRow>& rows,
-                                  const PlanShape& shape,
+  absl::StatusOr<PlanShape> Sized(const PlanShape& shape,
                                   ShapeEvaluator& evaluator);
   // The factor ≤ 1 of its size with which the plan keeps the limits in the
   // whole band; spreads become those of the band where it is below 1.
@@ -83,19 +97,20 @@ class PlanMaker {
   const PlanProblem& problem_;
   const PlanOptions& options_;
   PlanGrid grid_;
+  std::vector<ProcessModel> plants_;
+  std::vector<MatrixXd> known_;  // p: I₀ by the windows
   Plan plan_;
 };
 
 absl::StatusOr<std::vector<OpenQuestion>> PlanMaker::Ask(
     const std::vector<PlanRow>& rows) {
-  MLE_ASSIGN_OR_RETURN(
-      const std::vector<MatrixXd> known,
-      InformationOfWindows(problem_, problem_.windows, rows, options_.threads));
+  MLE_ASSIGN_OR_RETURN(known_, InformationOfWindows(problem_, problem_.windows,
+                                                    rows, options_.threads));
   std::vector<OpenQuestion> open;
   for (const PlanQuestion& question : problem_.questions) {
     const auto i = static_cast<std::size_t>(question.output);
     OpenQuestion asked{
-        question, rows[i].Place(question.input, question.parameter), known[i]};
+        question, rows[i].Place(question.input, question.parameter), known_[i]};
     if (asked.place < 0) {
       return InvalidArgument(
           "plan: ", PairName(problem_.plant, question.output, question.input),
@@ -123,24 +138,34 @@ Record PlanMaker::WithLead(const Record& expected) const {
   return record;
 }
 
-absl::StatusOr<double> PlanMaker::AnswerBy(const std::vector<PlanRow>& rows,
-                                           const Record& expected) {
-  const std::vector<Record> alone = {WithLead(expected)};
-  std::vector<Record> all = problem_.windows;
-  all.push_back(alone.front());
-  MLE_ASSIGN_OR_RETURN(
-      const std::vector<MatrixXd> together,
-      InformationOfWindows(problem_, all, rows, options_.threads));
-  MLE_ASSIGN_OR_RETURN(
-      const std::vector<MatrixXd> by_plan,
-      InformationOfWindows(problem_, alone, rows, options_.threads));
+absl::StatusOr<double> PlanMaker::AnswerBy(const PlanShape& shape) {
+  const MatrixXd set_points = SetPointsOf(shape, 1.0, grid_);
+  std::vector<double> variances(plan_.answers.size(), 0.0);
+  for (const ProcessModel& plant : plants_) {
+    PlanProblem problem = problem_;
+    problem.plant = plant;
+    MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows, RowsOf(problem));
+    MLE_ASSIGN_OR_RETURN(const Record expected,
+                         problem_.loop(plant, set_points));
+    MLE_ASSIGN_OR_RETURN(const std::vector<MatrixXd> by_plan,
+                         InformationOfWindows(problem, {WithLead(expected)},
+                                              rows, options_.threads));
+    for (std::size_t a = 0; a < plan_.answers.size(); ++a) {
+      const PlanQuestion& question = plan_.answers[a].question;
+      const auto i = static_cast<std::size_t>(question.output);
+      MatrixXd information = by_plan[i];
+      // Windows are independent of each other.
+      if (!question.alone) information += known_[i];
+      const double error = ErrorBy(
+          information, rows[i].Place(question.input, question.parameter));
+      variances[a] += error * error / static_cast<double>(plants_.size());
+    }
+  }
   double most = 0.0;
-  for (PlanAnswer& answer : plan_.answers) {
-    const PlanQuestion& question = answer.question;
-    const auto i = static_cast<std::size_t>(question.output);
-    answer.after = ErrorBy(question.alone ? by_plan[i] : together[i],
-                           rows[i].Place(question.input, question.parameter));
-    most = std::max(most, answer.after / question.error);
+  for (std::size_t a = 0; a < variances.size(); ++a) {
+    PlanAnswer& answer = plan_.answers[a];
+    answer.after = std::sqrt(variances[a]);
+    most = std::max(most, answer.after / answer.question.error);
   }
   return most;
 }
@@ -154,18 +179,16 @@ PlanShape PlanMaker::Scaled(const PlanShape& shape, double size,
   PlanShape scaled = shape;
   scaled.levels = grid_.scale.cwiseInverse().asDiagonal() *
                   Rounded(size * grid_.scale.asDiagonal() * shape.levels, down);
-  return scaled;
+  return scaled.Tidy();
 }
 
-absl::StatusOr<PlanShape> PlanMaker::Sized(const std::vector<PlanRow>& rows,
-                                           const PlanShape& shape,
+absl::StatusOr<PlanShape> PlanMaker::Sized(const PlanShape& shape,
                                            ShapeEvaluator& evaluator) {
   const ShapeValue value = evaluator.Evaluate(shape);
   double size = value.size;
   for (int round = 1;; ++round) {
     PlanShape sized = Scaled(shape, size, !value.reaches);
-    MLE_ASSIGN_OR_RETURN(const Record expected, Expect(sized));
-    MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(rows, expected));
+    MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(sized));
     if (!value.reaches || most <= kEnough || round == kMostCorrections) {
       evaluator.SetDemand(evaluator.demand() * size / value.size);
       return sized;
@@ -266,29 +289,41 @@ void PlanMaker::Write(const ShapeEvaluator& evaluator, const PlanShape& shape,
   plan_.left_out = band.left_out;
 }
 
+absl::Status PlanMaker::ChoosePlants(const std::vector<ProcessModel>& drawn) {
+  MatrixXd set_points =
+      MatrixXd::Zero(problem_.plant.num_outputs(),
+                     static_cast<Index>(grid_.length()) * grid_.samples);
+  set_points.leftCols(static_cast<Index>(grid_.settling) * grid_.samples)
+      .colwise() = grid_.scale;
+  plants_ = {problem_.plant};
+  for (const ProcessModel& plant : drawn) {
+    if (plants_.size() == kPlants) break;
+    const absl::Status status = problem_.loop(plant, set_points).status();
+    if (status.ok()) plants_.push_back(plant);
+    if (!status.ok() && !absl::IsFailedPrecondition(status)) return status;
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Plan> PlanMaker::Make() {
   MLE_RETURN_IF_ERROR(CheckProblem(problem_, options_));
-  std::vector<PlanRow> rows;
-  for (int i = 0; i < problem_.plant.num_outputs(); ++i) {
-    MLE_ASSIGN_OR_RETURN(
-        PlanRow row, PlanRow::Create(problem_.plant, i, problem_.sample_time));
-    rows.push_back(std::move(row));
-  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows, RowsOf(problem_));
   MLE_ASSIGN_OR_RETURN(std::vector<OpenQuestion> open, Ask(rows));
   if (open.empty()) return std::move(plan_);
   grid_ = MakePlanGrid(problem_, options_);
-  MLE_ASSIGN_OR_RETURN(
-      ShapeEvaluator evaluator,
-      ShapeEvaluator::Create(problem_, options_, grid_, rows, std::move(open)));
-  const ShapeBounds bounds = MakeShapeBounds(problem_, options_, grid_);
-  MLE_ASSIGN_OR_RETURN(const std::vector<ProcessModel> plants,
+  MLE_ASSIGN_OR_RETURN(const std::vector<ProcessModel> drawn,
                        DrawPlants(problem_, options_));
-  plan_.plants = static_cast<int>(plants.size());
+  plan_.plants = static_cast<int>(drawn.size());
+  MLE_RETURN_IF_ERROR(ChoosePlants(drawn));
+  MLE_ASSIGN_OR_RETURN(ShapeEvaluator evaluator,
+                       ShapeEvaluator::Create(problem_, options_, grid_,
+                                              plants_, std::move(open)));
+  const ShapeBounds bounds = MakeShapeBounds(problem_, options_, grid_);
   PlanShape shape = FindShape(evaluator, bounds);
   for (int round = 1;; ++round) {
-    MLE_ASSIGN_OR_RETURN(PlanShape sized, Sized(rows, shape, evaluator));
+    MLE_ASSIGN_OR_RETURN(PlanShape sized, Sized(shape, evaluator));
     MLE_ASSIGN_OR_RETURN(Record expected, Expect(sized));
-    MLE_ASSIGN_OR_RETURN(PlanBand band, Simulate(sized, plants));
+    MLE_ASSIGN_OR_RETURN(PlanBand band, Simulate(sized, drawn));
     const double fit = Fit(expected, band, evaluator);
     if (fit < 1.0 && round < kMostRounds) {
       shape = RefineShape(evaluator, bounds, std::move(shape));
@@ -297,9 +332,9 @@ absl::StatusOr<Plan> PlanMaker::Make() {
     if (fit < 1.0) {
       sized = Scaled(sized, fit, /*down=*/true);
       MLE_ASSIGN_OR_RETURN(expected, Expect(sized));
-      MLE_ASSIGN_OR_RETURN(band, Simulate(sized, plants));
+      MLE_ASSIGN_OR_RETURN(band, Simulate(sized, drawn));
     }
-    MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(rows, expected));
+    MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(sized));
     plan_.state =
         most <= kNearEnough ? Plan::State::kFound : Plan::State::kOutOfReach;
     if (plan_.state == Plan::State::kOutOfReach) {

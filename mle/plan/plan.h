@@ -28,7 +28,9 @@
 // The limits must hold for every plant of `draws` that are drawn from what the
 // records leave open, with the prior of ageing, and on top of them `deviations`
 // times the deviations of usual operation. Plants that the loop would not hold
-// at all are left out: it runs. At last the loop itself is simulated, and the
+// at all are left out: it runs. Errors are root mean squares over the expected
+// plant and four of those drawn, since inputs that must not move together in
+// the one may do so in another. At last the loop itself is simulated, and the
 // errors are those of the estimate's own information bound
 // (ComputeOutputErrorLimit()) of the records and the plan.
 //

@@ -50,7 +50,7 @@ class ShapeSearch {
   void Extend();
   void Refine();
   void Prune();
-  PlanShape best() && { return std::move(best_.shape); }
+  PlanShape best() const { return best_.shape.Tidy(); }
 
  private:
   // Takes it where it saves `gain`.
@@ -75,9 +75,9 @@ bool ShapeSearch::Try(PlanShape shape, double gain) {
 std::set<int> ShapeSearch::Holds() const {
   std::set<int> holds;
   for (const double share : kHolds) {
-    holds.insert(
-        std::max(static_cast<int>(std::lround(share * bounds_.settling)),
-                 bounds_.shortest_hold));
+    holds.insert(std::max(
+        static_cast<int>(std::lround(share * evaluator_.grid().settling)),
+        bounds_.shortest_hold));
   }
   return holds;
 }
@@ -204,8 +204,6 @@ ShapeBounds MakeShapeBounds(const PlanProblem& problem,
   bounds.movable =
       options.movable.empty() ? std::vector<bool>(p, true) : options.movable;
   const double settling = SettlingTime(plant);
-  bounds.settling =
-      std::max(static_cast<int>(std::lround(settling / grid.step)), 1);
   const double shortest =
       options.shortest_hold > 0.0 ? options.shortest_hold : settling / 20.0;
   bounds.shortest_hold =
@@ -236,7 +234,7 @@ PlanShape RefineShape(const ShapeEvaluator& evaluator,
   search.Take(std::move(shape));
   search.Refine();
   search.Prune();
-  return std::move(search).best();
+  return search.best();
 }
 
 PlanShape FindShape(const ShapeEvaluator& evaluator,
@@ -246,7 +244,7 @@ PlanShape FindShape(const ShapeEvaluator& evaluator,
   search.Extend();
   search.Refine();
   search.Prune();
-  return std::move(search).best();
+  return search.best();
 }
 
 }  // namespace mle

@@ -19,7 +19,6 @@ struct ShapeBounds {
   Eigen::MatrixXd directions;
   std::vector<bool> movable;  // p
   int shortest_hold = 1;      // in steps of the grid
-  int settling = 1;
   int most_steps = 1;
 };
 

@@ -27,7 +27,9 @@ constexpr double kTail = 1.5;
 // What is known of a parameter of which nothing is known: ErrorBy().
 constexpr double kNextToNothing = 1e-2;
 constexpr double kOutOfReach = 1e3;
-constexpr double kPriceOfMove = 0.01;  // as a share of the cost
+// Shares of the cost: of a move, and of each settling time that it takes.
+constexpr double kPriceOfMove = 0.01;
+constexpr double kPriceOfTime = 0.03;
 // How much farther than expected an output or input goes, before plants have
 // been drawn.
 constexpr double kFirstSpread = 1.2;
@@ -42,26 +44,24 @@ double MoreAbsolute(double m, double deviation) {
          m * std::erf(unit / std::numbers::sqrt2);
 }
 
-// The variance Σ_l c_l²/(1 + s² λ_l) of a parameter after a plan of size s.
-struct VarianceOfSize {
-  VectorXd squares;
-  VectorXd growth;
+// The mean over plants.
+double MeanAt(const Variances& variances, double size) {
+  double sum = 0.0;
+  for (const VarianceOfSize& variance : variances) sum += variance.At(size);
+  return sum / static_cast<double>(variances.size());
+}
 
-  double At(double size) const {
-    return (squares.array() / (1.0 + size * size * growth.array())).sum();
+double LeastSizeFor(const Variances& variances, double wanted) {
+  if (MeanAt(variances, 0.0) <= wanted) return 0.0;
+  if (MeanAt(variances, kLargestSize) > wanted) return kInfinity;
+  double low = -30.0;
+  double high = std::log(kLargestSize);
+  for (int step = 0; step < 50; ++step) {
+    const double middle = 0.5 * (low + high);
+    (MeanAt(variances, std::exp(middle)) > wanted ? low : high) = middle;
   }
-  double LeastSize(double variance) const {
-    if (At(0.0) <= variance) return 0.0;
-    if (At(kLargestSize) > variance) return kInfinity;
-    double low = -30.0;
-    double high = std::log(kLargestSize);
-    for (int step = 0; step < 60; ++step) {
-      const double middle = 0.5 * (low + high);
-      (At(std::exp(middle)) > variance ? low : high) = middle;
-    }
-    return std::exp(high);
-  }
-};
+  return std::exp(high);
+}
 
 VarianceOfSize VarianceOf(const MatrixXd& root, const MatrixXd& information,
                           Index place) {
@@ -82,8 +82,32 @@ VectorXd Room(const VectorXd& limits, const VectorXd& from, double sign) {
 
 }  // namespace
 
+double VarianceOfSize::At(double size) const {
+  return (squares.array() / (1.0 + size * size * growth.array())).sum();
+}
+
 int PlanShape::duration() const {
   return std::accumulate(holds.begin(), holds.end(), 0);
+}
+
+PlanShape PlanShape::Tidy() const {
+  PlanShape tidy;
+  tidy.levels.resize(levels.rows(), levels.cols());
+  Index kept = 0;
+  Index last = levels.cols();
+  while (last > 0 && levels.col(last - 1).isZero(0.0)) --last;
+  for (Index s = 0; s < last; ++s) {
+    const int hold = holds[static_cast<std::size_t>(s)];
+    if (kept == 0 && levels.col(s).isZero(0.0)) continue;
+    if (kept > 0 && tidy.levels.col(kept - 1) == levels.col(s)) {
+      tidy.holds.back() += hold;
+      continue;
+    }
+    tidy.levels.col(kept++) = levels.col(s);
+    tidy.holds.push_back(hold);
+  }
+  tidy.levels.conservativeResize(levels.rows(), kept);
+  return tidy;
 }
 
 PlanGrid MakePlanGrid(const PlanProblem& problem, const PlanOptions& options) {
@@ -99,6 +123,7 @@ PlanGrid MakePlanGrid(const PlanProblem& problem, const PlanOptions& options) {
   const auto steps = [&](double time) {
     return static_cast<int>(std::ceil(time / grid.step - 1e-9));
   };
+  grid.settling = std::max(steps(settling), 1);
   grid.lead = steps(kLead * settling);
   grid.tail = steps(kTail * settling);
   grid.longest = std::max(
@@ -125,25 +150,25 @@ MatrixXd SetPointsOf(const PlanShape& shape, double size,
 
 absl::StatusOr<ShapeEvaluator> ShapeEvaluator::Create(
     const PlanProblem& problem, const PlanOptions& options,
-    const PlanGrid& grid, const std::vector<PlanRow>& rows,
+    const PlanGrid& grid, const std::vector<ProcessModel>& plants,
     std::vector<OpenQuestion> questions) {
   ShapeEvaluator made;
   made.grid_ = grid;
   made.p_ = problem.plant.num_outputs();
   made.m_ = problem.plant.num_inputs();
-  std::vector<PlanRow> asked_rows;
-  std::vector<std::size_t> part_of(rows.size(), rows.size());
   Index first = made.p_ + made.m_;
   for (OpenQuestion& open : questions) {
-    const auto output = static_cast<std::size_t>(open.question.output);
-    if (part_of[output] == rows.size()) {
-      part_of[output] = made.parts_.size();
-      made.parts_.push_back({first, rows[output].num_parameters(), {}});
-      first += rows[output].num_parameters();
-      asked_rows.push_back(rows[output]);
-    }
+    const int output = open.question.output;
     const Index n = open.information.rows();
-    Asked asked{.open = {}, .part = part_of[output], .root = {}};
+    auto part = std::find_if(
+        made.parts_.begin(), made.parts_.end(),
+        [output](const Part& one) { return one.output == output; });
+    if (part == made.parts_.end()) {
+      part = made.parts_.insert(part, {output, first, n, {}});
+      first += n;
+    }
+    Asked asked;
+    asked.part = static_cast<std::size_t>(part - made.parts_.begin());
     asked.root =
         MatrixXd((open.information + kNextToNothing * MatrixXd::Identity(n, n))
                      .llt()
@@ -151,62 +176,72 @@ absl::StatusOr<ShapeEvaluator> ShapeEvaluator::Create(
     asked.open = std::move(open);
     made.asked_.push_back(std::move(asked));
   }
-  const VectorXd& deviations = problem.output_deviations;
-  made.deviations_ = deviations;
-  const bool priced =
-      options.squared_price.size() > 0 || options.absolute_price.size() > 0;
-  made.squared_price_ = options.squared_price;
-  made.absolute_price_ = options.absolute_price;
-  if (!priced) made.squared_price_ = grid.scale.cwiseAbs2().cwiseInverse();
-  for (VectorXd* price : {&made.squared_price_, &made.absolute_price_}) {
-    if (price->size() == 0) *price = VectorXd::Zero(made.p_);
+  made.SetPricesAndRoom(problem, options);
+  made.AddOffsets(problem);
+  for (const ProcessModel& plant : plants) {
+    MLE_RETURN_IF_ERROR(made.AddSteps(problem, plant, options));
   }
-  const double kept = options.deviations;
-  const VectorXd up = Room(options.max_output, problem.set_points, 1.0);
-  const VectorXd down = Room(options.min_output, problem.set_points, -1.0);
-  made.room_up_.resize(2 * made.p_ + made.m_);
-  made.room_down_.resize(2 * made.p_ + made.m_);
-  made.room_up_ << up - kept * deviations,
-      Room(options.max_input, problem.inputs, 1.0) -
-          kept * problem.input_deviations,
-      up;
-  made.room_down_ << down - kept * deviations,
-      Room(options.min_input, problem.inputs, -1.0) -
-          kept * problem.input_deviations,
-      down;
-  made.spread_up_ = VectorXd::Constant(made.p_ + made.m_, kFirstSpread);
-  made.spread_down_ = made.spread_up_;
-  MLE_RETURN_IF_ERROR(made.AddSteps(problem, asked_rows, options));
   return made;
 }
 
+void ShapeEvaluator::SetPricesAndRoom(const PlanProblem& problem,
+                                      const PlanOptions& options) {
+  deviations_ = problem.output_deviations;
+  squared_price_ = options.squared_price;
+  absolute_price_ = options.absolute_price;
+  if (squared_price_.size() == 0 && absolute_price_.size() == 0) {
+    squared_price_ = grid_.scale.cwiseAbs2().cwiseInverse();
+  }
+  for (VectorXd* price : {&squared_price_, &absolute_price_}) {
+    if (price->size() == 0) *price = VectorXd::Zero(p_);
+  }
+  const VectorXd kept_of_outputs = options.deviations * deviations_;
+  const VectorXd kept_of_inputs = options.deviations * problem.input_deviations;
+  const VectorXd up = Room(options.max_output, problem.set_points, 1.0);
+  const VectorXd down = Room(options.min_output, problem.set_points, -1.0);
+  room_up_.resize(2 * p_ + m_);
+  room_up_ << up - kept_of_outputs,
+      Room(options.max_input, problem.inputs, 1.0) - kept_of_inputs, up;
+  room_down_.resize(2 * p_ + m_);
+  room_down_ << down - kept_of_outputs,
+      Room(options.min_input, problem.inputs, -1.0) - kept_of_inputs, down;
+  spread_up_ = VectorXd::Constant(p_ + m_, kFirstSpread);
+  spread_down_ = spread_up_;
+}
+
+void ShapeEvaluator::AddOffsets(const PlanProblem& problem) {
+  const Index length = grid_.lead + grid_.length();
+  for (Part& part : parts_) {
+    const NoiseEstimate& noise =
+        problem.noise[static_cast<std::size_t>(part.output)];
+    MatrixXd offset =
+        MatrixXd::Constant(1, length * grid_.samples, noise.offset ? 1.0 : 0.0);
+    WhitenRows(noise, offset);
+    part.offset.resize(length);
+    for (Index k = 0; k < length; ++k) {
+      part.offset(k) = offset(0, k * grid_.samples);
+    }
+  }
+}
+
 absl::Status ShapeEvaluator::AddSteps(const PlanProblem& problem,
-                                      const std::vector<PlanRow>& rows,
+                                      const ProcessModel& plant,
                                       const PlanOptions& options) {
   const Index samples = static_cast<Index>(grid_.length()) * grid_.samples;
-  Index all = p_ + m_;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const Index lead = static_cast<Index>(grid_.lead) * grid_.samples;
-    MatrixXd offset = MatrixXd::Ones(1, lead + samples);
-    const NoiseEstimate& noise =
-        problem.noise[static_cast<std::size_t>(rows[r].output())];
-    if (!noise.offset) offset.setZero();
-    WhitenRows(noise, offset);
-    Eigen::RowVectorXd& coarse = parts_[r].offset;
-    coarse.resize(grid_.lead + grid_.length());
-    for (Index k = 0; k < coarse.size(); ++k) {
-      coarse(k) = offset(0, k * grid_.samples);
-    }
-    all += rows[r].num_parameters();
+  std::vector<PlanRow> rows;
+  for (const Part& part : parts_) {
+    MLE_ASSIGN_OR_RETURN(
+        PlanRow row, PlanRow::Create(plant, part.output, problem.sample_time));
+    rows.push_back(std::move(row));
   }
-  steps_.resize(static_cast<std::size_t>(p_));
+  const Index all = parts_.back().first + parts_.back().count;
+  std::vector<MatrixXd>& steps = steps_.emplace_back(p_);
   std::vector<absl::Status> status(static_cast<std::size_t>(p_));
   ParallelFor(p_, options.threads, [&](int q) {
     if (!options.movable.empty() && !options.movable[q]) return;
     MatrixXd set_points = MatrixXd::Zero(p_, samples);
     set_points.row(q).setConstant(grid_.scale(q));
-    const absl::StatusOr<Record> record =
-        problem.loop(problem.plant, set_points);
+    const absl::StatusOr<Record> record = problem.loop(plant, set_points);
     if (!record.ok()) {
       status[q] = record.status();
       return;
@@ -216,14 +251,13 @@ absl::Status ShapeEvaluator::AddSteps(const PlanProblem& problem,
     fine.middleRows(p_, m_) = record->inputs;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       MatrixXd sensitivities = rows[r].Sensitivities(record->inputs);
-      WhitenRows(problem.noise[static_cast<std::size_t>(rows[r].output())],
+      WhitenRows(problem.noise[static_cast<std::size_t>(parts_[r].output)],
                  sensitivities);
       fine.middleRows(parts_[r].first, parts_[r].count) = sensitivities;
     }
-    MatrixXd& coarse = steps_[q];
-    coarse.resize(all, grid_.length());
-    for (Index k = 0; k < coarse.cols(); ++k) {
-      coarse.col(k) = fine.col(k * grid_.samples);
+    steps[q].resize(all, grid_.length());
+    for (Index k = 0; k < grid_.length(); ++k) {
+      steps[q].col(k) = fine.col(k * grid_.samples);
     }
   });
   for (const absl::Status& of_step : status) MLE_RETURN_IF_ERROR(of_step);
@@ -235,9 +269,10 @@ void ShapeEvaluator::SetSpread(const VectorXd& up, const VectorXd& down) {
   spread_down_ = down;
 }
 
-MatrixXd ShapeEvaluator::Answer(const PlanShape& shape) const {
-  Index rows = 0;
-  for (const MatrixXd& step : steps_) rows = std::max(rows, step.rows());
+MatrixXd ShapeEvaluator::Answer(const PlanShape& shape,
+                                std::size_t plant) const {
+  const std::vector<MatrixXd>& steps = steps_[plant];
+  const Index rows = parts_.back().first + parts_.back().count;
   const Index length = shape.duration() + grid_.tail;
   MatrixXd answer = MatrixXd::Zero(rows, length);
   VectorXd before = VectorXd::Zero(p_);
@@ -249,8 +284,8 @@ MatrixXd ShapeEvaluator::Answer(const PlanShape& shape) const {
              : VectorXd(shape.levels.col(static_cast<Index>(s)));
     for (int q = 0; q < p_; ++q) {
       const double move = level(q) - before(q);
-      if (move == 0.0 || steps_[q].size() == 0) continue;
-      answer.rightCols(length - at) += move * steps_[q].leftCols(length - at);
+      if (move == 0.0 || steps[q].size() == 0) continue;
+      answer.rightCols(length - at) += move * steps[q].leftCols(length - at);
     }
     if (back) break;
     before = level;
@@ -260,43 +295,50 @@ MatrixXd ShapeEvaluator::Answer(const PlanShape& shape) const {
 }
 
 std::vector<MatrixXd> ShapeEvaluator::Informations(
-    const MatrixXd& answer) const {
+    const PlanShape& shape, const MatrixXd& expected) const {
   std::vector<MatrixXd> informations;
-  for (const Part& part : parts_) {
-    const auto rows = answer.middleRows(part.first, part.count);
-    const auto offset = part.offset.segment(grid_.lead, answer.cols());
-    MatrixXd information = rows * rows.transpose();
-    const double own =
-        part.offset.head(grid_.lead + answer.cols()).squaredNorm();
-    if (own > 0.0) {
-      const VectorXd shared = rows * offset.transpose();
-      information -= shared * shared.transpose() / own;
+  for (std::size_t plant = 0; plant < steps_.size(); ++plant) {
+    const MatrixXd other = plant == 0 ? MatrixXd() : Answer(shape, plant);
+    const MatrixXd& answer = plant == 0 ? expected : other;
+    for (const Part& part : parts_) {
+      const auto rows = answer.middleRows(part.first, part.count);
+      const auto offset = part.offset.segment(grid_.lead, answer.cols());
+      MatrixXd information = rows * rows.transpose();
+      const double own =
+          part.offset.head(grid_.lead + answer.cols()).squaredNorm();
+      if (own > 0.0) {
+        const VectorXd shared = rows * offset.transpose();
+        information -= shared * shared.transpose() / own;
+      }
+      informations.push_back(grid_.samples * information);
     }
-    informations.push_back(grid_.samples * information);
   }
   return informations;
 }
 
-double ShapeEvaluator::LeastSize(
+ShapeEvaluator::Reach ShapeEvaluator::ReachOf(
     const std::vector<MatrixXd>& informations) const {
-  double size = 0.0;
+  Reach reach;
   for (const Asked& asked : asked_) {
+    Variances& variances = reach.variances.emplace_back();
+    for (std::size_t k = asked.part; k < informations.size();
+         k += parts_.size()) {
+      variances.push_back(
+          VarianceOf(asked.root, informations[k], asked.open.place));
+    }
     const double wanted = asked.open.question.error;
-    size = std::max(
-        size, VarianceOf(asked.root, informations[asked.part], asked.open.place)
-                  .LeastSize(wanted * wanted));
+    reach.least_size = std::max(
+        reach.least_size, demand_ * LeastSizeFor(variances, wanted * wanted));
   }
-  return demand_ * size;
+  return reach;
 }
 
-double ShapeEvaluator::Shortfall(const std::vector<MatrixXd>& informations,
-                                 double size) const {
+double ShapeEvaluator::Shortfall(const Reach& reach, double size) const {
   double most = 0.0;
-  for (const Asked& asked : asked_) {
-    const double variance =
-        VarianceOf(asked.root, informations[asked.part], asked.open.place)
-            .At(size / demand_);
-    most = std::max(most, std::sqrt(variance) / asked.open.question.error);
+  for (std::size_t a = 0; a < asked_.size(); ++a) {
+    most =
+        std::max(most, std::sqrt(MeanAt(reach.variances[a], size / demand_)) /
+                           asked_[a].open.question.error);
   }
   return most;
 }
@@ -358,9 +400,9 @@ ShapeValue ShapeEvaluator::Evaluate(const PlanShape& shape) const {
   ShapeValue value;
   value.objective = kInfinity;
   if (shape.duration() > grid_.longest) return value;
-  const MatrixXd answer = Answer(shape);
-  const std::vector<MatrixXd> informations = Informations(answer);
-  const double least = LeastSize(informations);
+  const MatrixXd answer = Answer(shape, 0);
+  const Reach reach = ReachOf(Informations(shape, answer));
+  const double least = reach.least_size;
   Limit(shape, answer, 1.0, value);
   Limit(shape, answer, -1.0, value);
   const double most = std::abs(value.size);
@@ -376,8 +418,9 @@ ShapeValue ShapeEvaluator::Evaluate(const PlanShape& shape) const {
   }
   value.objective = value.reaches
                         ? std::log(std::max(value.cost, 1e-300)) +
-                              kPriceOfMove * static_cast<double>(moves)
-                        : kOutOfReach + std::log(Shortfall(informations, most));
+                              kPriceOfMove * static_cast<double>(moves) +
+                              kPriceOfTime * shape.duration() / grid_.settling
+                        : kOutOfReach + std::log(Shortfall(reach, most));
   return value;
 }
 

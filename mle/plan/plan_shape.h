@@ -25,12 +25,15 @@ struct PlanShape {
   std::vector<int> holds;
 
   int duration() const;
+  // Without levels of zero at either end, and equal ones as one.
+  PlanShape Tidy() const;
 };
 
 struct PlanGrid {
   int samples = 1;        // of a step
   double step = 0.0;      // in the model's time unit
-  int lead = 0;           // steps used before the first move
+  int settling = 1;       // of the model, in steps
+  int lead = 0;           // used before the first move
   int tail = 0;           // and after the last
   int longest = 0;        // of a shape
   Eigen::VectorXd scale;  // p, a unit of each set point
@@ -53,8 +56,9 @@ struct OpenQuestion {
 };
 
 struct ShapeValue {
-  // To be minimised: ln of the cost, with a price on moves; beyond 1,000 where
-  // what is wanted is out of reach, then ln of what is missing.
+  // To be minimised: ln of the cost, with a small price on moves and time;
+  // beyond 1,000 where what is wanted is out of reach, then ln of what is
+  // missing.
   double objective = 0.0;
   double size = 0.0;  // of the levels; the largest allowed if out of reach
   double cost = 0.0;
@@ -63,12 +67,23 @@ struct ShapeValue {
   bool upper = true;
 };
 
+// The variance Σ_l c_l²/(1 + s² λ_l) of a parameter after a plan of size s.
+struct VarianceOfSize {
+  Eigen::VectorXd squares;
+  Eigen::VectorXd growth;
+
+  double At(double size) const;
+};
+using Variances = std::vector<VarianceOfSize>;  // of each plant
+
 class ShapeEvaluator {
  public:
-  // Simulates the steps. `questions` are of one row or several.
+  // Simulates the steps. `plants` are those over which squared errors are
+  // averaged, the first as it is expected to be; `questions` are of one row or
+  // several.
   static absl::StatusOr<ShapeEvaluator> Create(
       const PlanProblem& problem, const PlanOptions& options,
-      const PlanGrid& grid, const std::vector<PlanRow>& rows,
+      const PlanGrid& grid, const std::vector<ProcessModel>& plants,
       std::vector<OpenQuestion> questions);
 
   // How much farther than expected each output and input (p + m) may go up and
@@ -89,6 +104,7 @@ class ShapeEvaluator {
  private:
   // A row of parameters in question: where its sensitivities are.
   struct Part {
+    int output = 0;
     Eigen::Index first = 0;
     Eigen::Index count = 0;
     Eigen::RowVectorXd offset;  // whitened, from the lead on
@@ -100,17 +116,22 @@ class ShapeEvaluator {
   };
 
   ShapeEvaluator() = default;
-  absl::Status AddSteps(const PlanProblem& problem,
-                        const std::vector<PlanRow>& rows,
+  void SetPricesAndRoom(const PlanProblem& problem, const PlanOptions& options);
+  void AddOffsets(const PlanProblem& problem);
+  absl::Status AddSteps(const PlanProblem& problem, const ProcessModel& plant,
                         const PlanOptions& options);
-  Eigen::MatrixXd Answer(const PlanShape& shape) const;
+  // Sums of the steps of a plant.
+  Eigen::MatrixXd Answer(const PlanShape& shape, std::size_t plant) const;
+  // Of each part with each plant, one plant after the other.
   std::vector<Eigen::MatrixXd> Informations(
-      const Eigen::MatrixXd& answer) const;
-  // The least size for all questions, and the largest error over that wanted
-  // at `size`.
-  double LeastSize(const std::vector<Eigen::MatrixXd>& informations) const;
-  double Shortfall(const std::vector<Eigen::MatrixXd>& informations,
-                   double size) const;
+      const PlanShape& shape, const Eigen::MatrixXd& expected) const;
+  struct Reach {
+    std::vector<Variances> variances;  // of each question
+    double least_size = 0.0;           // for all of them
+  };
+  Reach ReachOf(const std::vector<Eigen::MatrixXd>& informations) const;
+  // The largest error over that wanted.
+  double Shortfall(const Reach& reach, double size) const;
   void Limit(const PlanShape& shape, const Eigen::MatrixXd& answer, double sign,
              ShapeValue& value) const;
 
@@ -120,9 +141,9 @@ class ShapeEvaluator {
   int m_ = 0;
   std::vector<Part> parts_;
   std::vector<Asked> asked_;
-  // For each set point, p + m + Σ n rows: deviations of outputs and inputs and
-  // whitened sensitivities; empty of one that does not move.
-  std::vector<Eigen::MatrixXd> steps_;
+  // Of each plant and set point, p + m + Σ n rows: deviations of outputs and
+  // inputs and whitened sensitivities; empty of a set point that does not move.
+  std::vector<std::vector<Eigen::MatrixXd>> steps_;
   Eigen::VectorXd squared_price_;
   Eigen::VectorXd absolute_price_;
   Eigen::VectorXd deviations_;  // p, σ

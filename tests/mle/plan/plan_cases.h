@@ -10,8 +10,9 @@
 
 namespace mle {
 
-// The inputs go at once to where they hold the outputs of `model`: a loop whose
-// answer is known in closed form.
+// A loop of a known answer: each output is asked to follow its set point behind
+// a lag of its own (5, 8, … samples), and the inputs are those that hold the
+// outputs of `model` there.
 inline PlannedLoop FeedForward(const ProcessModel& model, double sample_time) {
   const Eigen::MatrixXd inverse = StaticGains(model).inverse();
   return [inverse, sample_time](
@@ -19,7 +20,16 @@ inline PlannedLoop FeedForward(const ProcessModel& model, double sample_time) {
              const Eigen::MatrixXd& set_points) -> absl::StatusOr<Record> {
     Record record;
     record.sample_time = sample_time;
-    record.inputs = inverse * set_points;
+    Eigen::MatrixXd asked = set_points;
+    for (Eigen::Index i = 0; i < asked.rows(); ++i) {
+      const double share = 1.0 / (5.0 + 3.0 * static_cast<double>(i));
+      double state = 0.0;
+      for (double& value : asked.row(i)) {
+        state += share * (value - state);
+        value = state;
+      }
+    }
+    record.inputs = inverse * asked;
     // At rest before the first sample.
     Eigen::MatrixXd inputs(record.inputs.rows(), record.inputs.cols() + 1);
     inputs << Eigen::MatrixXd::Zero(record.inputs.rows(), 1), record.inputs;
