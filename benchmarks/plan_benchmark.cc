@@ -7,8 +7,8 @@
 // 50. Each output has coloured noise of the same variance beside it. The
 // records are one set-point change. Outputs may leave their set points by 15
 // standard deviations of usual operation. What is asked is one gain, drawn
-// among those that the record tells to more than 5 %, those of its row, or
-// those of all rows, to 5 %.
+// among those that the record tells to more than 10 %, those of its row, or
+// those of all rows, to 10 %.
 //
 // Generalised binary noise (Tulleken, Automatica 26, 1990) switches between two
 // levels, with a mean time between switches of a third of the settling time
@@ -54,13 +54,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kLargestGain = 50.0;
-constexpr double kWanted = 0.05;
+constexpr double kWanted = 0.1;
 constexpr double kRoom = 10.0;  // of outputs, beside what is kept, in σ
 constexpr int kUsual = 8000;    // samples of usual operation
 constexpr int kSequences = 10;
 constexpr double kLongest = 12.0;       // of a plan, in settling times
 constexpr double kLongestTest = 100.0;  // of generalised binary noise
-constexpr double kSpread = 1.2;         // of it, as a plan has at first
+// A loop holds a plant if less of the largest deviation is left at the end.
+constexpr double kSettled = 0.05;
+constexpr double kSpread = 1.2;  // of it, as a plan has at first
 
 struct Site {
   benchmarks::TunedPlant plant;
@@ -137,7 +139,7 @@ absl::StatusOr<Record> RunLoop(const Site& site, const control::Mpc& tuned,
   const VectorXd end = record->outputs.rightCols(1);
   const VectorXd most = record->outputs.cwiseAbs().rowwise().maxCoeff();
   if (set_points.rightCols(1).isZero(0.0) &&
-      (end.cwiseAbs().array() > 0.5 * most.array()).any() &&
+      (end.cwiseAbs().array() > kSettled * most.array()).any() &&
       most.maxCoeff() > 0.0) {
     return absl::FailedPreconditionError("the loop does not settle");
   }
@@ -551,11 +553,13 @@ int main(int argc, char** argv) {
       MLE_PLANT_DIR "/ogunnaike_ray.json"};
   const int kinds = static_cast<int>(mle::kAskedNames.size());
   std::vector<mle::Row> rows(plants.size() * mle::kAskedNames.size());
-  mle::ParallelFor(static_cast<int>(rows.size()), /*threads=*/0, [&](int r) {
-    rows[r] = mle::Run(plants[r / kinds], static_cast<mle::Asked>(r % kinds),
-                       executions, estimates,
-                       first + static_cast<std::uint64_t>(r / kinds));
-  });
+  mle::ParallelFor(static_cast<int>(rows.size()),
+                   /*threads=*/std::getenv("ONE") ? 1 : 0, [&](int r) {
+                     rows[r] = mle::Run(
+                         plants[r / kinds], static_cast<mle::Asked>(r % kinds),
+                         executions, estimates,
+                         first + static_cast<std::uint64_t>(r / kinds));
+                   });
   mle::Print(rows);
   return 0;
 }

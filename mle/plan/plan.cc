@@ -19,9 +19,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Searches with wider and wider bands, until the limits hold for all plants.
-constexpr int kMostRounds = 5;
-constexpr double kWider = 1.03;
+// Searches with more and more plants that go beyond limits, until none does.
+constexpr int kMostRounds = 8;
 // Plants over which squared errors are averaged: what is expected, and some
 // drawn.
 constexpr std::size_t kPlants = 5;
@@ -87,9 +86,8 @@ class PlanMaker {
   absl::StatusOr<PlanShape> Sized(const PlanShape& shape,
                                   ShapeEvaluator& evaluator);
   // The factor ≤ 1 of its size with which the plan keeps the limits in the
-  // whole band; spreads become those of the band where it is below 1.
-  double Fit(const Record& expected, const PlanBand& band,
-             ShapeEvaluator& evaluator) const;
+  // whole band, and the plants that go farthest beyond one.
+  double Fit(const PlanBand& band, std::vector<int>& beyond) const;
   void Write(const ShapeEvaluator& evaluator, const PlanShape& shape,
              const Record& expected, const PlanBand& band);
   std::string Hindrance(const ShapeValue& value) const;
@@ -179,7 +177,7 @@ PlanShape PlanMaker::Scaled(const PlanShape& shape, double size,
   PlanShape scaled = shape;
   scaled.levels = grid_.scale.cwiseInverse().asDiagonal() *
                   Rounded(size * grid_.scale.asDiagonal() * shape.levels, down);
-  return scaled.Tidy();
+  return scaled.Unrolled();
 }
 
 absl::StatusOr<PlanShape> PlanMaker::Sized(const PlanShape& shape,
@@ -197,12 +195,9 @@ absl::StatusOr<PlanShape> PlanMaker::Sized(const PlanShape& shape,
   }
 }
 
-double PlanMaker::Fit(const Record& expected, const PlanBand& band,
-                      ShapeEvaluator& evaluator) const {
+double PlanMaker::Fit(const PlanBand& band, std::vector<int>& beyond) const {
   const Index p = problem_.plant.num_outputs();
   const Index m = problem_.plant.num_inputs();
-  VectorXd up = evaluator.spread_up();
-  VectorXd down = evaluator.spread_down();
   double fit = 1.0;
   for (Index c = 0; c < p + m; ++c) {
     const bool output = c < p;
@@ -211,22 +206,21 @@ double PlanMaker::Fit(const Record& expected, const PlanBand& band,
         options_.deviations *
         (output ? problem_.output_deviations(i) : problem_.input_deviations(i));
     const double at = output ? problem_.set_points(i) : problem_.inputs(i);
-    const VectorXd row = output ? expected.outputs.row(i).transpose()
-                                : expected.inputs.row(i).transpose();
     const auto check = [&](const VectorXd& limits, double sign, double farthest,
-                           double most, double& spread) {
+                           int plant) {
       if (limits.size() == 0 || !std::isfinite(limits(i))) return;
       const double room = sign * (limits(i) - at) - kept;
       if (farthest <= room) return;
       fit = std::min(fit, room / farthest);
-      if (most > 0.0) spread = std::max(spread, kWider * farthest / most);
+      beyond.push_back(plant);
     };
     check(output ? options_.max_output : options_.max_input, 1.0,
-          band.high.row(c).maxCoeff(), row.maxCoeff(), up(c));
+          band.high.row(c).maxCoeff(), band.highest[c]);
     check(output ? options_.min_output : options_.min_input, -1.0,
-          -band.low.row(c).minCoeff(), -row.minCoeff(), down(c));
+          -band.low.row(c).minCoeff(), band.lowest[c]);
   }
-  evaluator.SetSpread(up, down);
+  std::sort(beyond.begin(), beyond.end());
+  beyond.erase(std::unique(beyond.begin(), beyond.end()), beyond.end());
   return fit;
 }
 
@@ -324,8 +318,13 @@ absl::StatusOr<Plan> PlanMaker::Make() {
     MLE_ASSIGN_OR_RETURN(PlanShape sized, Sized(shape, evaluator));
     MLE_ASSIGN_OR_RETURN(Record expected, Expect(sized));
     MLE_ASSIGN_OR_RETURN(PlanBand band, Simulate(sized, drawn));
-    const double fit = Fit(expected, band, evaluator);
+    std::vector<int> beyond;
+    const double fit = Fit(band, beyond);
     if (fit < 1.0 && round < kMostRounds) {
+      for (const int plant : beyond) {
+        MLE_RETURN_IF_ERROR(
+            evaluator.KeepLimitsOf(problem_, drawn[plant], options_));
+      }
       shape = RefineShape(evaluator, bounds, std::move(shape));
       continue;
     }

@@ -1,7 +1,6 @@
 // Plants drawn from what the records leave open, and their answers to a plan.
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "Eigen/Cholesky"
@@ -70,20 +69,29 @@ absl::StatusOr<PlanBand> BandOf(const PlanProblem& problem,
   PlanBand band;
   band.low = MatrixXd::Constant(p + m, set_points.cols(), kInfinity);
   band.high = -band.low;
-  for (const absl::StatusOr<Record>& record : records) {
+  band.lowest.assign(static_cast<std::size_t>(p + m), 0);
+  band.highest = band.lowest;
+  VectorXd least = VectorXd::Constant(p + m, kInfinity);
+  VectorXd most = -least;
+  for (int d = 0; d < count; ++d) {
+    const absl::StatusOr<Record>& record = records[d];
     if (!record.ok()) {
       if (!absl::IsFailedPrecondition(record.status())) return record.status();
       ++band.left_out;
       continue;
     }
-    const auto widen = [&](Index first, const MatrixXd& rows) {
-      auto low = band.low.middleRows(first, rows.rows());
-      auto high = band.high.middleRows(first, rows.rows());
-      low = low.cwiseMin(rows).eval();
-      high = high.cwiseMax(rows).eval();
-    };
-    widen(0, record->outputs);
-    widen(p, record->inputs);
+    MatrixXd rows(p + m, set_points.cols());
+    rows << record->outputs, record->inputs;
+    band.low = band.low.cwiseMin(rows).eval();
+    band.high = band.high.cwiseMax(rows).eval();
+    for (Index c = 0; c < p + m; ++c) {
+      const double low = rows.row(c).minCoeff();
+      const double high = rows.row(c).maxCoeff();
+      if (low < least(c)) band.lowest[c] = d;
+      if (high > most(c)) band.highest[c] = d;
+      least(c) = std::min(least(c), low);
+      most(c) = std::max(most(c), high);
+    }
   }
   if (band.left_out == count) {
     return absl::FailedPreconditionError(

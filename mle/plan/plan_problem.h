@@ -21,6 +21,9 @@ absl::Status CheckProblem(const PlanProblem& problem,
 struct PlanBand {
   Eigen::MatrixXd low;
   Eigen::MatrixXd high;
+  // p + m: the plants that go farthest.
+  std::vector<int> lowest;
+  std::vector<int> highest;
   int left_out = 0;
 };
 

@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 
 // Times that a level is held, as shares of the model's settling time.
 constexpr std::array<double, 6> kHolds = {0.05, 0.1, 0.2, 0.35, 0.6, 1.0};
+constexpr std::array<int, 4> kRepeats = {1, 2, 4, 8};
 constexpr std::array<double, 3> kRelativeSizes = {1.0, -1.0, 0.4};
 constexpr std::array<double, 4> kSteps = {0.5, 0.25, 0.12, 0.06};
 constexpr int kMostPasses = 6;   // with each step
@@ -50,12 +51,13 @@ class ShapeSearch {
   void Extend();
   void Refine();
   void Prune();
-  PlanShape best() const { return best_.shape.Tidy(); }
+  const PlanShape& best() const { return best_.shape; }
 
  private:
   // Takes it where it saves `gain`.
   bool Try(PlanShape shape, double gain);
   std::set<int> Holds() const;
+  bool RefineRepeats();
   bool RefineHolds(double step);
   bool RefineLevels(double step);
   double Largest() const { return best_.shape.levels.cwiseAbs().maxCoeff(); }
@@ -101,7 +103,13 @@ void ShapeSearch::TryPatterns() {
     for (const std::vector<double>& pattern : Patterns()) {
       if (std::ssize(pattern) > bounds_.most_steps) continue;
       for (const int hold : Holds()) {
-        Try(Append({}, bounds_.directions.col(d), pattern, hold, 1.0), 0.0);
+        PlanShape shape =
+            Append({}, bounds_.directions.col(d), pattern, hold, 1.0);
+        for (const int repeats : kRepeats) {
+          shape.repeats = repeats;
+          if (shape.duration() > evaluator_.grid().longest) break;
+          Try(shape, 0.0);
+        }
       }
     }
   }
@@ -137,6 +145,17 @@ void ShapeSearch::Extend() {
   }
 }
 
+bool ShapeSearch::RefineRepeats() {
+  bool better = false;
+  for (const int by : {1, -1}) {
+    PlanShape changed = best_.shape;
+    changed.repeats += by;
+    if (changed.repeats < 1) continue;
+    better = Try(std::move(changed), kGain) || better;
+  }
+  return better;
+}
+
 bool ShapeSearch::RefineHolds(double step) {
   bool better = false;
   for (std::size_t s = 0; s < best_.shape.holds.size(); ++s) {
@@ -162,7 +181,6 @@ bool ShapeSearch::RefineLevels(double step) {
       for (const double sign : {1.0, -1.0}) {
         PlanShape changed = best_.shape;
         changed.levels(q, s) += sign * step * Largest();
-        if (changed.levels.isZero(0.0)) continue;
         better = Try(std::move(changed), kGain) || better;
       }
     }
@@ -173,9 +191,10 @@ bool ShapeSearch::RefineLevels(double step) {
 void ShapeSearch::Refine() {
   for (const double step : kSteps) {
     for (int pass = 0; pass < kMostPasses; ++pass) {
+      const bool repeats = RefineRepeats();
       const bool holds = RefineHolds(step);
       const bool levels = RefineLevels(step);
-      if (!holds && !levels) break;
+      if (!repeats && !holds && !levels) break;
     }
   }
 }
@@ -188,7 +207,6 @@ void ShapeSearch::Prune() {
       if (level == 0.0 || std::abs(level) > small) continue;
       PlanShape changed = best_.shape;
       changed.levels(q, s) = 0.0;
-      if (changed.levels.isZero(0.0)) continue;
       Try(std::move(changed), -kWorth);
     }
   }

@@ -30,9 +30,6 @@ constexpr double kOutOfReach = 1e3;
 // Shares of the cost: of a move, and of each settling time that it takes.
 constexpr double kPriceOfMove = 0.01;
 constexpr double kPriceOfTime = 0.03;
-// How much farther than expected an output or input goes, before plants have
-// been drawn.
-constexpr double kFirstSpread = 1.2;
 constexpr double kLargestSize = 1e9;
 
 // E|m + σ z| − E|σ z|.
@@ -87,27 +84,31 @@ double VarianceOfSize::At(double size) const {
 }
 
 int PlanShape::duration() const {
-  return std::accumulate(holds.begin(), holds.end(), 0);
+  return repeats * std::accumulate(holds.begin(), holds.end(), 0);
 }
 
-PlanShape PlanShape::Tidy() const {
-  PlanShape tidy;
-  tidy.levels.resize(levels.rows(), levels.cols());
+PlanShape PlanShape::Unrolled() const {
+  PlanShape unrolled;
+  const Index all = repeats * levels.cols();
+  unrolled.levels.resize(levels.rows(), all);
   Index kept = 0;
-  Index last = levels.cols();
-  while (last > 0 && levels.col(last - 1).isZero(0.0)) --last;
-  for (Index s = 0; s < last; ++s) {
+  for (Index k = 0; k < all; ++k) {
+    const Index s = k % levels.cols();
     const int hold = holds[static_cast<std::size_t>(s)];
     if (kept == 0 && levels.col(s).isZero(0.0)) continue;
-    if (kept > 0 && tidy.levels.col(kept - 1) == levels.col(s)) {
-      tidy.holds.back() += hold;
+    if (kept > 0 && unrolled.levels.col(kept - 1) == levels.col(s)) {
+      unrolled.holds.back() += hold;
       continue;
     }
-    tidy.levels.col(kept++) = levels.col(s);
-    tidy.holds.push_back(hold);
+    unrolled.levels.col(kept++) = levels.col(s);
+    unrolled.holds.push_back(hold);
   }
-  tidy.levels.conservativeResize(levels.rows(), kept);
-  return tidy;
+  if (kept > 1 && unrolled.levels.col(kept - 1).isZero(0.0)) {
+    --kept;
+    unrolled.holds.pop_back();
+  }
+  unrolled.levels.conservativeResize(levels.rows(), kept);
+  return unrolled;
 }
 
 PlanGrid MakePlanGrid(const PlanProblem& problem, const PlanOptions& options) {
@@ -133,8 +134,9 @@ PlanGrid MakePlanGrid(const PlanProblem& problem, const PlanOptions& options) {
   return grid;
 }
 
-MatrixXd SetPointsOf(const PlanShape& shape, double size,
+MatrixXd SetPointsOf(const PlanShape& repeated, double size,
                      const PlanGrid& grid) {
+  const PlanShape shape = repeated.Unrolled();
   const Index samples =
       static_cast<Index>(shape.duration() + grid.tail) * grid.samples;
   MatrixXd set_points = MatrixXd::Zero(shape.levels.rows(), samples);
@@ -179,9 +181,25 @@ absl::StatusOr<ShapeEvaluator> ShapeEvaluator::Create(
   made.SetPricesAndRoom(problem, options);
   made.AddOffsets(problem);
   for (const ProcessModel& plant : plants) {
-    MLE_RETURN_IF_ERROR(made.AddSteps(problem, plant, options));
+    std::vector<PlanRow> rows;
+    for (const Part& part : made.parts_) {
+      MLE_ASSIGN_OR_RETURN(PlanRow row, PlanRow::Create(plant, part.output,
+                                                        problem.sample_time));
+      rows.push_back(std::move(row));
+    }
+    MLE_ASSIGN_OR_RETURN(Steps steps,
+                         made.StepsOf(problem, plant, rows, options));
+    made.steps_.push_back(std::move(steps));
   }
   return made;
+}
+
+absl::Status ShapeEvaluator::KeepLimitsOf(const PlanProblem& problem,
+                                          const ProcessModel& plant,
+                                          const PlanOptions& options) {
+  MLE_ASSIGN_OR_RETURN(Steps steps, StepsOf(problem, plant, {}, options));
+  limiting_.push_back(std::move(steps));
+  return absl::OkStatus();
 }
 
 void ShapeEvaluator::SetPricesAndRoom(const PlanProblem& problem,
@@ -205,8 +223,6 @@ void ShapeEvaluator::SetPricesAndRoom(const PlanProblem& problem,
   room_down_.resize(2 * p_ + m_);
   room_down_ << down - kept_of_outputs,
       Room(options.min_input, problem.inputs, -1.0) - kept_of_inputs, down;
-  spread_up_ = VectorXd::Constant(p_ + m_, kFirstSpread);
-  spread_down_ = spread_up_;
 }
 
 void ShapeEvaluator::AddOffsets(const PlanProblem& problem) {
@@ -224,19 +240,14 @@ void ShapeEvaluator::AddOffsets(const PlanProblem& problem) {
   }
 }
 
-absl::Status ShapeEvaluator::AddSteps(const PlanProblem& problem,
-                                      const ProcessModel& plant,
-                                      const PlanOptions& options) {
+absl::StatusOr<ShapeEvaluator::Steps> ShapeEvaluator::StepsOf(
+    const PlanProblem& problem, const ProcessModel& plant,
+    const std::vector<PlanRow>& rows, const PlanOptions& options) const {
   const Index samples = static_cast<Index>(grid_.length()) * grid_.samples;
-  std::vector<PlanRow> rows;
-  for (const Part& part : parts_) {
-    MLE_ASSIGN_OR_RETURN(
-        PlanRow row, PlanRow::Create(plant, part.output, problem.sample_time));
-    rows.push_back(std::move(row));
-  }
-  const Index all = parts_.back().first + parts_.back().count;
-  std::vector<MatrixXd>& steps = steps_.emplace_back(p_);
-  std::vector<absl::Status> status(static_cast<std::size_t>(p_));
+  const Index all =
+      rows.empty() ? p_ + m_ : parts_.back().first + parts_.back().count;
+  Steps steps(static_cast<std::size_t>(p_));
+  std::vector<absl::Status> status(steps.size());
   ParallelFor(p_, options.threads, [&](int q) {
     if (!options.movable.empty() && !options.movable[q]) return;
     MatrixXd set_points = MatrixXd::Zero(p_, samples);
@@ -261,44 +272,36 @@ absl::Status ShapeEvaluator::AddSteps(const PlanProblem& problem,
     }
   });
   for (const absl::Status& of_step : status) MLE_RETURN_IF_ERROR(of_step);
-  return absl::OkStatus();
+  return steps;
 }
 
-void ShapeEvaluator::SetSpread(const VectorXd& up, const VectorXd& down) {
-  spread_up_ = up;
-  spread_down_ = down;
-}
-
-MatrixXd ShapeEvaluator::Answer(const PlanShape& shape,
-                                std::size_t plant) const {
-  const std::vector<MatrixXd>& steps = steps_[plant];
-  const Index rows = parts_.back().first + parts_.back().count;
-  const Index length = shape.duration() + grid_.tail;
+MatrixXd ShapeEvaluator::Answer(const PlanShape& unrolled,
+                                const Steps& steps) const {
+  Index rows = 0;
+  for (const MatrixXd& step : steps) rows = std::max(rows, step.rows());
+  const Index length = unrolled.duration() + grid_.tail;
   MatrixXd answer = MatrixXd::Zero(rows, length);
-  VectorXd before = VectorXd::Zero(p_);
   Index at = 0;
-  for (std::size_t s = 0; s <= shape.holds.size(); ++s) {
-    const bool back = s == shape.holds.size();
-    const VectorXd level =
-        back ? VectorXd(VectorXd::Zero(p_))
-             : VectorXd(shape.levels.col(static_cast<Index>(s)));
+  for (Index s = 0; s <= unrolled.levels.cols(); ++s) {
     for (int q = 0; q < p_; ++q) {
-      const double move = level(q) - before(q);
+      const double now = s < unrolled.levels.cols() ? unrolled.levels(q, s) : 0;
+      const double move = now - (s > 0 ? unrolled.levels(q, s - 1) : 0.0);
       if (move == 0.0 || steps[q].size() == 0) continue;
       answer.rightCols(length - at) += move * steps[q].leftCols(length - at);
     }
-    if (back) break;
-    before = level;
-    at += shape.holds[s];
+    if (s < unrolled.levels.cols()) {
+      at += unrolled.holds[static_cast<std::size_t>(s)];
+    }
   }
   return answer;
 }
 
 std::vector<MatrixXd> ShapeEvaluator::Informations(
-    const PlanShape& shape, const MatrixXd& expected) const {
+    const PlanShape& unrolled, const MatrixXd& expected) const {
   std::vector<MatrixXd> informations;
   for (std::size_t plant = 0; plant < steps_.size(); ++plant) {
-    const MatrixXd other = plant == 0 ? MatrixXd() : Answer(shape, plant);
+    const MatrixXd other =
+        plant == 0 ? MatrixXd() : Answer(unrolled, steps_[plant]);
     const MatrixXd& answer = plant == 0 ? expected : other;
     for (const Part& part : parts_) {
       const auto rows = answer.middleRows(part.first, part.count);
@@ -343,26 +346,34 @@ double ShapeEvaluator::Shortfall(const Reach& reach, double size) const {
   return most;
 }
 
-// The largest size with this sign, into `value` where it is larger.
-void ShapeEvaluator::Limit(const PlanShape& shape, const MatrixXd& answer,
-                           double sign, ShapeValue& value) const {
-  VectorXd high(2 * p_ + m_);
-  VectorXd low(2 * p_ + m_);
-  high << answer.topRows(p_ + m_).rowwise().maxCoeff(),
-      shape.levels.rowwise().maxCoeff().cwiseProduct(grid_.scale);
-  low << answer.topRows(p_ + m_).rowwise().minCoeff(),
-      shape.levels.rowwise().minCoeff().cwiseProduct(grid_.scale);
-  if (sign < 0.0) {
-    high.swap(low);
-    high = -high;
-    low = -low;
+ShapeEvaluator::Extremes ShapeEvaluator::ExtremesOf(
+    const PlanShape& unrolled, const MatrixXd& expected) const {
+  Extremes extremes;
+  VectorXd high = expected.topRows(p_ + m_).rowwise().maxCoeff();
+  VectorXd low = expected.topRows(p_ + m_).rowwise().minCoeff();
+  for (const Steps& steps : limiting_) {
+    const MatrixXd answer = Answer(unrolled, steps);
+    high = high.cwiseMax(answer.rowwise().maxCoeff()).eval();
+    low = low.cwiseMin(answer.rowwise().minCoeff()).eval();
   }
+  extremes.high.resize(2 * p_ + m_);
+  extremes.high << high,
+      unrolled.levels.rowwise().maxCoeff().cwiseProduct(grid_.scale);
+  extremes.low.resize(2 * p_ + m_);
+  extremes.low << low,
+      unrolled.levels.rowwise().minCoeff().cwiseProduct(grid_.scale);
+  return extremes;
+}
+
+void ShapeEvaluator::Limit(const Extremes& extremes, double sign,
+                           ShapeValue& value) const {
+  const VectorXd high = sign > 0.0 ? extremes.high : -extremes.low;
+  const VectorXd low = sign > 0.0 ? extremes.low : -extremes.high;
   ShapeValue limited;
   limited.size = kLargestSize;
   for (Index c = 0; c < high.size(); ++c) {
-    const bool spreads = c < p_ + m_;
-    const double up = high(c) * (spreads ? spread_up_(c) : 1.0);
-    const double down = -low(c) * (spreads ? spread_down_(c) : 1.0);
+    const double up = high(c);
+    const double down = -low(c);
     if (up > 0.0 && room_up_(c) < limited.size * up) {
       limited.size = std::max(room_up_(c), 0.0) / up;
       limited.channel = static_cast<int>(c);
@@ -400,20 +411,21 @@ ShapeValue ShapeEvaluator::Evaluate(const PlanShape& shape) const {
   ShapeValue value;
   value.objective = kInfinity;
   if (shape.duration() > grid_.longest) return value;
-  const MatrixXd answer = Answer(shape, 0);
-  const Reach reach = ReachOf(Informations(shape, answer));
+  const PlanShape unrolled = shape.Unrolled();
+  if (unrolled.levels.cols() == 0) return value;
+  const MatrixXd answer = Answer(unrolled, steps_.front());
+  const Reach reach = ReachOf(Informations(unrolled, answer));
+  const Extremes extremes = ExtremesOf(unrolled, answer);
   const double least = reach.least_size;
-  Limit(shape, answer, 1.0, value);
-  Limit(shape, answer, -1.0, value);
+  Limit(extremes, 1.0, value);
+  Limit(extremes, -1.0, value);
   const double most = std::abs(value.size);
   value.reaches = least <= most;
   if (value.reaches) value.size = std::copysign(least, value.size);
   value.cost = CostOf(value.size * answer.topRows(p_));
-  Index moves = 0;
-  for (Index s = 0; s < shape.levels.cols(); ++s) {
-    const VectorXd move =
-        s == 0 ? VectorXd(shape.levels.col(0))
-               : VectorXd(shape.levels.col(s) - shape.levels.col(s - 1));
+  Index moves = (unrolled.levels.col(0).array() != 0.0).count();
+  for (Index s = 1; s < unrolled.levels.cols(); ++s) {
+    const VectorXd move = unrolled.levels.col(s) - unrolled.levels.col(s - 1);
     moves += (move.array() != 0.0).count();
   }
   value.objective = value.reaches

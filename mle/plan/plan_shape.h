@@ -19,14 +19,16 @@
 namespace mle {
 
 // Set points (p × S, in units of PlanGrid::scale) held for `holds` (S, in steps
-// of the grid) one after the other, then back.
+// of the grid) one after the other, all of them `repeats` times, then back.
 struct PlanShape {
   Eigen::MatrixXd levels;
   std::vector<int> holds;
+  int repeats = 1;
 
   int duration() const;
-  // Without levels of zero at either end, and equal ones as one.
-  PlanShape Tidy() const;
+  // The same without repeats, without levels of zero at either end, and with
+  // equal ones as one.
+  PlanShape Unrolled() const;
 };
 
 struct PlanGrid {
@@ -86,11 +88,10 @@ class ShapeEvaluator {
       const PlanGrid& grid, const std::vector<ProcessModel>& plants,
       std::vector<OpenQuestion> questions);
 
-  // How much farther than expected each output and input (p + m) may go up and
-  // down, as a factor ≥ 1.
-  void SetSpread(const Eigen::VectorXd& up, const Eigen::VectorXd& down);
-  const Eigen::VectorXd& spread_up() const { return spread_up_; }
-  const Eigen::VectorXd& spread_down() const { return spread_down_; }
+  // With this plant, too, the limits are to be kept.
+  absl::Status KeepLimitsOf(const PlanProblem& problem,
+                            const ProcessModel& plant,
+                            const PlanOptions& options);
 
   // A factor of the least sizes, for what the grid does not tell.
   void SetDemand(double demand) { demand_ = demand; }
@@ -118,13 +119,17 @@ class ShapeEvaluator {
   ShapeEvaluator() = default;
   void SetPricesAndRoom(const PlanProblem& problem, const PlanOptions& options);
   void AddOffsets(const PlanProblem& problem);
-  absl::Status AddSteps(const PlanProblem& problem, const ProcessModel& plant,
-                        const PlanOptions& options);
-  // Sums of the steps of a plant.
-  Eigen::MatrixXd Answer(const PlanShape& shape, std::size_t plant) const;
+  // Answers to a unit step of each set point; empty of one that does not move.
+  using Steps = std::vector<Eigen::MatrixXd>;
+  // With the sensitivities of these rows.
+  absl::StatusOr<Steps> StepsOf(const PlanProblem& problem,
+                                const ProcessModel& plant,
+                                const std::vector<PlanRow>& rows,
+                                const PlanOptions& options) const;
+  Eigen::MatrixXd Answer(const PlanShape& unrolled, const Steps& steps) const;
   // Of each part with each plant, one plant after the other.
   std::vector<Eigen::MatrixXd> Informations(
-      const PlanShape& shape, const Eigen::MatrixXd& expected) const;
+      const PlanShape& unrolled, const Eigen::MatrixXd& expected) const;
   struct Reach {
     std::vector<Variances> variances;  // of each question
     double least_size = 0.0;           // for all of them
@@ -132,8 +137,15 @@ class ShapeEvaluator {
   Reach ReachOf(const std::vector<Eigen::MatrixXd>& informations) const;
   // The largest error over that wanted.
   double Shortfall(const Reach& reach, double size) const;
-  void Limit(const PlanShape& shape, const Eigen::MatrixXd& answer, double sign,
-             ShapeValue& value) const;
+  // The most and the least of each output, input and set point (2p + m).
+  struct Extremes {
+    Eigen::VectorXd high;
+    Eigen::VectorXd low;
+  };
+  Extremes ExtremesOf(const PlanShape& unrolled,
+                      const Eigen::MatrixXd& expected) const;
+  // The largest size with this sign, into `value` where it is larger.
+  void Limit(const Extremes& extremes, double sign, ShapeValue& value) const;
 
   PlanGrid grid_;
   double demand_ = 1.0;
@@ -141,17 +153,16 @@ class ShapeEvaluator {
   int m_ = 0;
   std::vector<Part> parts_;
   std::vector<Asked> asked_;
-  // Of each plant and set point, p + m + Σ n rows: deviations of outputs and
-  // inputs and whitened sensitivities; empty of a set point that does not move.
-  std::vector<std::vector<Eigen::MatrixXd>> steps_;
+  // Of each plant: p + m + Σ n rows, deviations of outputs and inputs and
+  // whitened sensitivities.
+  std::vector<Steps> steps_;
+  std::vector<Steps> limiting_;  // p + m rows, of further plants
   Eigen::VectorXd squared_price_;
   Eigen::VectorXd absolute_price_;
   Eigen::VectorXd deviations_;  // p, σ
   // 2p + m: how far outputs, inputs and set points may go.
   Eigen::VectorXd room_up_;
   Eigen::VectorXd room_down_;
-  Eigen::VectorXd spread_up_;
-  Eigen::VectorXd spread_down_;
 };
 
 }  // namespace mle
