@@ -57,7 +57,7 @@ constexpr double kLargestGain = 50.0;
 constexpr double kWanted = 0.1;
 constexpr double kRoom = 10.0;  // of outputs, beside what is kept, in σ
 constexpr int kUsual = 8000;    // samples of usual operation
-constexpr int kSequences = 10;
+constexpr int kSequences = 2;
 constexpr double kLongest = 12.0;       // of a plan, in settling times
 constexpr double kLongestTest = 100.0;  // of generalised binary noise
 // A loop holds a plant if less of the largest deviation is left at the end.
@@ -208,6 +208,7 @@ Study MakeStudy(const char* path, std::uint64_t seed) {
   options.grid = site.plant.tuning.control_period;
   options.seed = seed;
   options.threads = 1;
+  if(std::getenv("STEPS")) options.most_steps=std::atoi(std::getenv("STEPS"));
   options.max_output = (options.deviations + kRoom) * problem.output_deviations;
   options.min_output = -options.max_output;
   const MatrixXd inverse =

@@ -139,14 +139,18 @@ Record PlanMaker::WithLead(const Record& expected) const {
 absl::StatusOr<double> PlanMaker::AnswerBy(const PlanShape& shape) {
   const MatrixXd set_points = SetPointsOf(shape, 1.0, grid_);
   std::vector<double> variances(plan_.answers.size(), 0.0);
-  for (const ProcessModel& plant : plants_) {
+  double count = 0.0;
+  for (std::size_t d = 0; d < plants_.size(); ++d) {
+    const ProcessModel& plant = plants_[d];
     PlanProblem problem = problem_;
     problem.plant = plant;
     MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows, RowsOf(problem));
-    MLE_ASSIGN_OR_RETURN(const Record expected,
-                         problem_.loop(plant, set_points));
+    const absl::StatusOr<Record> expected = problem_.loop(plant, set_points);
+    if (d > 0 && absl::IsFailedPrecondition(expected.status())) continue;
+    MLE_RETURN_IF_ERROR(expected.status());
+    ++count;
     MLE_ASSIGN_OR_RETURN(const std::vector<MatrixXd> by_plan,
-                         InformationOfWindows(problem, {WithLead(expected)},
+                         InformationOfWindows(problem, {WithLead(*expected)},
                                               rows, options_.threads));
     for (std::size_t a = 0; a < plan_.answers.size(); ++a) {
       const PlanQuestion& question = plan_.answers[a].question;
@@ -156,13 +160,13 @@ absl::StatusOr<double> PlanMaker::AnswerBy(const PlanShape& shape) {
       if (!question.alone) information += known_[i];
       const double error = ErrorBy(
           information, rows[i].Place(question.input, question.parameter));
-      variances[a] += error * error / static_cast<double>(plants_.size());
+      variances[a] += error * error;
     }
   }
   double most = 0.0;
   for (std::size_t a = 0; a < variances.size(); ++a) {
     PlanAnswer& answer = plan_.answers[a];
-    answer.after = std::sqrt(variances[a]);
+    answer.after = std::sqrt(variances[a] / count);
     most = std::max(most, answer.after / answer.question.error);
   }
   return most;

@@ -21,10 +21,11 @@ constexpr std::array<double, 6> kHolds = {0.05, 0.1, 0.2, 0.35, 0.6, 1.0};
 constexpr std::array<int, 4> kRepeats = {1, 2, 4, 8};
 constexpr std::array<double, 3> kRelativeSizes = {1.0, -1.0, 0.4};
 constexpr std::array<double, 4> kSteps = {0.5, 0.25, 0.12, 0.06};
-constexpr int kMostPasses = 6;   // with each step
-constexpr double kGain = 1e-3;   // ln of the cost that a change must save
-constexpr double kWorth = 0.02;  // that further levels must
-constexpr double kSmall = 0.08;  // of the largest level: tried without
+constexpr std::size_t kStarts = 5;  // that are extended and refined
+constexpr int kMostPasses = 6;      // with each step
+constexpr double kGain = 1e-3;      // ln of the cost that a change must save
+constexpr double kWorth = 0.02;     // that further levels must
+constexpr double kSmall = 0.08;     // of the largest level: tried without
 
 const std::vector<std::vector<double>>& Patterns() {
   static const auto* const patterns = new std::vector<std::vector<double>>{
@@ -47,11 +48,12 @@ class ShapeSearch {
     best_.objective = evaluator_.Evaluate(shape).objective;
     best_.shape = std::move(shape);
   }
-  void TryPatterns();
+  // Of one of the directions.
+  void TryPatterns(Index direction);
   void Extend();
   void Refine();
   void Prune();
-  const PlanShape& best() const { return best_.shape; }
+  const ValuedShape& best() const { return best_; }
 
  private:
   // Takes it where it saves `gain`.
@@ -98,24 +100,22 @@ PlanShape Append(const PlanShape& shape, const VectorXd& direction,
   return longer;
 }
 
-void ShapeSearch::TryPatterns() {
-  for (Index d = 0; d < bounds_.directions.cols(); ++d) {
-    for (const std::vector<double>& pattern : Patterns()) {
-      if (std::ssize(pattern) > bounds_.most_steps) continue;
-      for (const int hold : Holds()) {
-        PlanShape shape =
-            Append({}, bounds_.directions.col(d), pattern, hold, 1.0);
-        for (const int repeats : kRepeats) {
-          shape.repeats = repeats;
-          if (shape.duration() > evaluator_.grid().longest) break;
-          Try(shape, 0.0);
-        }
+void ShapeSearch::TryPatterns(Index direction) {
+  for (const std::vector<double>& pattern : Patterns()) {
+    if (std::ssize(pattern) > bounds_.most_steps) continue;
+    for (const int hold : Holds()) {
+      PlanShape shape =
+          Append({}, bounds_.directions.col(direction), pattern, hold, 1.0);
+      for (const int repeats : kRepeats) {
+        shape.repeats = repeats;
+        if (shape.duration() > evaluator_.grid().longest) break;
+        Try(shape, 0.0);
       }
     }
   }
   if (!best_.shape.holds.empty()) return;
   // Whatever is allowed at all.
-  Take(Append({}, bounds_.directions.col(0), {1.0},
+  Take(Append({}, bounds_.directions.col(direction), {1.0},
               std::min(bounds_.shortest_hold, evaluator_.grid().longest), 1.0));
 }
 
@@ -252,17 +252,31 @@ PlanShape RefineShape(const ShapeEvaluator& evaluator,
   search.Take(std::move(shape));
   search.Refine();
   search.Prune();
-  return search.best();
+  return search.best().shape;
 }
 
 PlanShape FindShape(const ShapeEvaluator& evaluator,
                     const ShapeBounds& bounds) {
-  ShapeSearch search(evaluator, bounds);
-  search.TryPatterns();
-  search.Extend();
-  search.Refine();
-  search.Prune();
-  return search.best();
+  std::vector<ValuedShape> starts;
+  for (Index d = 0; d < bounds.directions.cols(); ++d) {
+    ShapeSearch search(evaluator, bounds);
+    search.TryPatterns(d);
+    starts.push_back(search.best());
+  }
+  const auto cheaper = [](const ValuedShape& a, const ValuedShape& b) {
+    return a.objective < b.objective;
+  };
+  std::stable_sort(starts.begin(), starts.end(), cheaper);
+  starts.resize(std::min(starts.size(), kStarts));
+  for (ValuedShape& start : starts) {
+    ShapeSearch search(evaluator, bounds);
+    search.Take(start.shape);
+    search.Extend();
+    search.Refine();
+    search.Prune();
+    start = search.best();
+  }
+  return std::min_element(starts.begin(), starts.end(), cheaper)->shape;
 }
 
 }  // namespace mle
