@@ -117,8 +117,9 @@ void AddOptions(Request& request, OptionTable& table) {
   period.range = kNotNegative;
   table.Add("The controller as it is tuned, for the advice",
             std::move(controller));
+  table.Add("The next move", OptionsOf(request.next_move));
   table.PutFirst({"model", "data", "out", "tags", "dry_run", "change_times",
-                  "leave_out", "control_period", "previous", "verbose",
+                  "leave_out", "control_period", "plan", "previous", "verbose",
                   "json"});
 }
 
@@ -134,6 +135,7 @@ absl::Status CompleteForModel(Request& request, OptionTable& table) {
                                 request.import.columns));
   MLE_RETURN_IF_ERROR(ChooseOutputs(request));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));
+  MLE_RETURN_IF_ERROR(CheckNextMove(request.next_move, request.model));
   if (!request.previous.empty()) {
     MLE_ASSIGN_OR_RETURN(request.last,
                          ReadPreviousRun(request.previous, request.model));

@@ -79,6 +79,11 @@ struct PlanQuestion {
 using PlannedLoop = std::function<absl::StatusOr<Record>(
     const ProcessModel& plant, const Eigen::MatrixXd& set_points)>;
 
+// Whether a record that begins at rest is at rest again at its end: less than a
+// twentieth of each output's largest deviation is left, where the set points
+// are back. For loops, of which others do not hold their plant.
+bool ComesToRest(const Record& record);
+
 struct PlanProblem {
   ProcessModel plant;  // as it is expected to be; no element integrates
   double sample_time = 0.0;

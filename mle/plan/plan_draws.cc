@@ -29,6 +29,14 @@ VectorXd DrawChange(const Eigen::LLT<MatrixXd>& information,
 
 }  // namespace
 
+bool ComesToRest(const Record& record) {
+  if (!record.set_points.rightCols(1).isZero(0.0)) return true;
+  constexpr double kLeft = 0.05;
+  const VectorXd end = record.outputs.rightCols(1).cwiseAbs();
+  const VectorXd most = record.outputs.cwiseAbs().rowwise().maxCoeff();
+  return (end.array() <= kLeft * most.array()).all();
+}
+
 absl::StatusOr<std::vector<ProcessModel>> DrawPlants(
     const PlanProblem& problem, const PlanOptions& options) {
   std::vector<PlanRow> rows;

@@ -1,0 +1,490 @@
+#include "apps/correct/next_move.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "apps/correct/report.h"
+#include "apps/correct/result.h"
+#include "apps/report/text.h"
+#include "control/first_order.h"
+#include "control/mpc.h"
+#include "control/retuning.h"
+#include "mle/base/double_limits.h"
+#include "mle/base/status.h"
+#include "mle/data/civil_time.h"
+#include "mle/data/stretches.h"
+#include "sim/closed_loop.h"
+
+namespace mle::correct {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kLongestInSettlingTimes = 10.0;
+// Of a tuning that is not told, control periods until the model has settled.
+constexpr double kPeriodsToSettle = 60.0;
+// Samples of a plan beyond which none is sought.
+constexpr double kMostPlanSamples = 2e5;
+// Limits that are not told: standard deviations of usual operation at least,
+// and shares of the width of the range in the records, beyond it.
+constexpr double kLeastRoom = 10.0;
+constexpr double kBeyondRange = 0.5;
+
+// Sums over the samples of a channel.
+struct ChannelUse {
+  double low = kInfinity;
+  double high = -kInfinity;
+  double last = 0.0;
+  bool known = false;
+  double squares = 0.0;  // about the set point, or the mean of its part
+  double count = 0.0;
+
+  void Add(double value) {
+    if (!std::isfinite(value)) return;
+    known = true;
+    low = std::min(low, value);
+    high = std::max(high, value);
+    last = value;
+  }
+  double deviation() const {
+    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+  }
+};
+
+// Adds squares of `row` about `center`, or about its mean where that is empty.
+void AddSquares(const VectorXd& row, const VectorXd& center, ChannelUse& use) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const double value : row) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    count += 1.0;
+  }
+  if (count < 2.0) return;
+  for (Index k = 0; k < row.size(); ++k) {
+    const double about = center.size() > 0 ? center(k) : sum / count;
+    if (!std::isfinite(row(k)) || !std::isfinite(about)) continue;
+    use.squares += (row(k) - about) * (row(k) - about);
+    use.count += 1.0;
+  }
+}
+
+// Parts in which nothing is asked of the plant: between the windows, and in
+// them before their first change.
+std::vector<Record> QuietParts(const RecordData& data) {
+  std::vector<Record> parts = data.AtRest();
+  for (const SetPointWindow& window : data.windows) {
+    const int first =
+        window.changes.empty() ? 0 : window.changes.front().sample;
+    if (first > 1) parts.push_back(PartOf(window.record, 0, first));
+  }
+  return parts;
+}
+
+// p outputs, then m inputs, then the set points where there are any.
+struct Operation {
+  std::vector<ChannelUse> outputs;
+  std::vector<ChannelUse> inputs;
+  std::vector<ChannelUse> set_points;
+};
+
+Operation OperationIn(const Result& result) {
+  const int p = result.initial.num_outputs();
+  const int m = result.initial.num_inputs();
+  Operation operation;
+  operation.outputs.resize(p);
+  operation.inputs.resize(m);
+  operation.set_points.resize(p);
+  for (const Record& record : result.data.records) {
+    for (Index k = 0; k < record.samples(); ++k) {
+      for (int i = 0; i < p; ++i) {
+        operation.outputs[i].Add(record.outputs(i, k));
+        if (record.set_points.size() > 0) {
+          operation.set_points[i].Add(record.set_points(i, k));
+        }
+      }
+      for (int j = 0; j < m; ++j) operation.inputs[j].Add(record.inputs(j, k));
+    }
+  }
+  for (const Record& part : QuietParts(result.data)) {
+    for (int i = 0; i < p; ++i) {
+      const VectorXd center = part.set_points.size() > 0
+                                  ? VectorXd(part.set_points.row(i))
+                                  : VectorXd();
+      AddSquares(part.outputs.row(i), center, operation.outputs[i]);
+    }
+    for (int j = 0; j < m; ++j) {
+      AddSquares(part.inputs.row(j), {}, operation.inputs[j]);
+    }
+  }
+  return operation;
+}
+
+// The questions: gains that are not known as well as wanted and, where it
+// cannot be told whether an output has aged, all of its gains by the plan
+// alone.
+std::vector<PlanQuestion> QuestionsOf(const Result& result) {
+  const ProcessModel& model = result.initial;
+  const double wanted = result.request.next_move.error;
+  std::vector<PlanQuestion> questions;
+  for (const auto& [i, j] : Pairs(model)) {
+    const PairErrors& pair = result.information.pair(i, j);
+    if (pair.state == PairState::kAbsent ||
+        model.inputs()[j].role != InputRole::kManipulated) {
+      continue;
+    }
+    const std::string& name = model.outputs()[i].name;
+    const bool doubtful =
+        result.decision == Decision::kCannotTell &&
+        std::any_of(result.reasons.begin(), result.reasons.end(),
+                    [&](const Message& reason) {
+                      return reason.place == name &&
+                             reason.code != MessageCode::kPredictsBetter;
+                    });
+    if (!doubtful && pair.gain <= wanted) continue;
+    questions.push_back(
+        {.output = i, .input = j, .error = wanted, .alone = doubtful});
+  }
+  return questions;
+}
+
+// As it is told, or by published rules.
+absl::StatusOr<control::MpcOptions> TuningOf(const Result& result,
+                                             const VectorXd& deviations,
+                                             NextMove& move) {
+  if (result.request.controller_known()) return result.request.controller;
+  move.assumptions.push_back(
+      "The controller's tuning is not told (--control_period and others): the "
+      "loop is taken to be that of a predictive controller tuned by published "
+      "rules.");
+  const double sample_time = result.data.sample_time();
+  control::MpcOptions before;
+  before.control_period =
+      sample_time * std::max(std::round(SettlingTime(result.initial) /
+                                        (kPeriodsToSettle * sample_time)),
+                             1.0);
+  before.output_weight =
+      deviations.cwiseAbs2().cwiseInverse().asDiagonal().toDenseMatrix();
+  before.move_weight = MatrixXd::Identity(result.initial.num_inputs(),
+                                          result.initial.num_inputs());
+  const int samples = static_cast<int>(std::ceil(
+                          3.0 * SettlingTime(result.initial) / sample_time)) +
+                      1;
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<control::FirstOrder> elements,
+      control::DescribeAsFirstOrder(result.initial.ComputeStepResponse(
+          sample_time, std::max(samples, 10))));
+  std::vector<std::string> unused;
+  return control::TuneByRules(elements, InputRoles(result.initial), sample_time,
+                              before, {.keep_control_period = true}, unused);
+}
+
+sim::SetPointProfile ProfileOf(const MatrixXd& set_points, double sample_time) {
+  sim::SetPointProfile profile;
+  for (Index k = 0; k < set_points.cols(); ++k) {
+    for (Index i = 0; i < set_points.rows(); ++i) {
+      if (set_points(i, k) == (k == 0 ? 0.0 : set_points(i, k - 1))) continue;
+      profile.steps.push_back({static_cast<int>(i),
+                               sample_time * static_cast<double>(k),
+                               set_points(i, k)});
+    }
+  }
+  return profile;
+}
+
+PlannedLoop LoopOf(control::Mpc mpc, double sample_time) {
+  return [tuned = std::make_shared<const control::Mpc>(std::move(mpc)),
+          sample_time](const ProcessModel& plant,
+                       const MatrixXd& set_points) -> absl::StatusOr<Record> {
+    control::Mpc running = *tuned;
+    sim::ClosedLoopOptions options;
+    options.sample_time = sample_time;
+    options.control_period = running.options().control_period;
+    options.duration = sample_time * static_cast<double>(set_points.cols() - 1);
+    options.noise_variance = 0.0;
+    absl::StatusOr<Record> record = sim::SimulateClosedLoop(
+        plant,
+        [&running](const auto& measured, const auto& wanted, auto next) {
+          running.Step(measured, wanted, next);
+        },
+        ProfileOf(set_points, sample_time), options);
+    if (!record.ok()) {
+      return absl::FailedPreconditionError(record.status().message());
+    }
+    if (!ComesToRest(*record)) {
+      return absl::FailedPreconditionError("the loop does not settle");
+    }
+    return record;
+  };
+}
+
+// "--plan_max_output" for what the library calls max_output.
+absl::Status NamePlanFlag(const absl::Status& status) {
+  constexpr std::string_view kBy = "plan: ";
+  constexpr std::string_view kHold = "shortest_hold ";
+  std::string text(status.message());
+  if (!text.starts_with(kBy)) return status;
+  text.erase(0, kBy.size());
+  if (text.starts_with(kHold)) text.replace(0, kHold.size(), "quiet ");
+  for (const char* name : {"min_output ", "max_output ", "min_input ",
+                           "max_input ", "longest ", "quiet "}) {
+    if (!text.starts_with(name)) continue;
+    return absl::Status(status.code(), absl::StrCat("--plan_", text));
+  }
+  return absl::Status(status.code(), absl::StrCat("--plan: ", text));
+}
+
+// The limits told, or what the range in the records allows.
+VectorXd LimitsOf(const VectorXd& told, const std::vector<ChannelUse>& uses,
+                  const VectorXd& at, const VectorXd& deviations, double sign) {
+  if (told.size() > 0) return told;
+  VectorXd limits(at.size());
+  for (Index c = 0; c < at.size(); ++c) {
+    const ChannelUse& use = uses[static_cast<std::size_t>(c)];
+    const double width = use.known ? use.high - use.low : 0.0;
+    const double end = sign > 0.0 ? use.high : use.low;
+    limits(c) = sign * kInfinity;
+    // Nothing is known of how far an input may go that has stood still.
+    if (!(width > 0.0)) continue;
+    limits(c) = sign * std::max(sign * end + kBeyondRange * width,
+                                sign * at(c) + kLeastRoom * deviations(c));
+  }
+  return limits;
+}
+
+VectorXd Deviations(const std::vector<ChannelUse>& uses) {
+  VectorXd deviations(std::ssize(uses));
+  for (std::size_t c = 0; c < uses.size(); ++c) {
+    deviations(static_cast<Index>(c)) = uses[c].deviation();
+  }
+  return deviations;
+}
+
+void SetOperation(const Result& result, const Operation& operation,
+                  PlanProblem& problem) {
+  problem.output_deviations = Deviations(operation.outputs);
+  problem.input_deviations = Deviations(operation.inputs);
+  const int p = result.initial.num_outputs();
+  problem.set_points.resize(p);
+  for (int i = 0; i < p; ++i) {
+    const ChannelUse& point = operation.set_points[i];
+    problem.set_points(i) =
+        point.known ? point.last : operation.outputs[i].last;
+    // Never less than what the model leaves of the output.
+    const NoiseEstimate& noise = problem.noise[i];
+    problem.output_deviations(i) =
+        std::max(problem.output_deviations(i),
+                 std::sqrt(noise.variance + noise.colour_variance()));
+  }
+  problem.inputs.resize(result.initial.num_inputs());
+  for (Index j = 0; j < problem.inputs.size(); ++j) {
+    problem.inputs(j) = operation.inputs[static_cast<std::size_t>(j)].last;
+  }
+}
+
+PlanOptions OptionsFor(const Result& result, const Operation& operation,
+                       const PlanProblem& problem, double control_period,
+                       NextMove& move) {
+  const NextMoveOptions& given = result.request.next_move;
+  const double settling = SettlingTime(result.initial);
+  PlanOptions options;
+  const auto outputs = [&](const VectorXd& told, double sign) {
+    return LimitsOf(told, operation.outputs, problem.set_points,
+                    problem.output_deviations, sign);
+  };
+  const auto inputs = [&](const VectorXd& told, double sign) {
+    return LimitsOf(told, operation.inputs, problem.inputs,
+                    problem.input_deviations, sign);
+  };
+  options.min_output = outputs(given.min_output, -1.0);
+  options.max_output = outputs(given.max_output, 1.0);
+  options.min_input = inputs(given.min_input, -1.0);
+  options.max_input = inputs(given.max_input, 1.0);
+  if (given.min_output.size() == 0 || given.max_output.size() == 0 ||
+      given.min_input.size() == 0 || given.max_input.size() == 0) {
+    move.assumptions.push_back(
+        "Limits that are not told (--plan_max_output and others) are half the "
+        "width of a channel's range in these records beyond it.");
+  }
+  if (!given.set_points.empty()) {
+    for (const OutputChannel& output : result.initial.outputs()) {
+      options.movable.push_back(std::count(given.set_points.begin(),
+                                           given.set_points.end(),
+                                           output.name) > 0);
+    }
+  }
+  options.longest = given.longest.value_or(kLongestInSettlingTimes * settling);
+  options.shortest_hold = given.quiet;
+  options.grid = control_period;
+  options.threads = result.options.threads;
+  move.priced =
+      given.squared_price.size() > 0 || given.absolute_price.size() > 0;
+  const double hours =
+      SecondsPerUnit(result.initial.time_unit()).value_or(3600.0) / 3600.0;
+  options.squared_price = hours * given.squared_price;
+  options.absolute_price = hours * given.absolute_price;
+  return options;
+}
+
+// The end of the records, or when the last change has settled.
+void FindEarliest(const Result& result, NextMove& move) {
+  if (result.data.records.empty()) return;
+  const Record& record = result.data.records.back();
+  const double end = record.time(record.samples() - 1);
+  move.earliest = end;
+  const std::vector<SetPointChange> changes = FindSetPointChanges(record);
+  if (changes.empty()) return;
+  const double settled =
+      record.time(changes.back().sample) + SettlingTime(result.initial);
+  if (settled <= end) return;
+  move.at_once = false;
+  move.earliest = settled;
+  move.settling = result.initial.outputs()[changes.back().output].name;
+}
+
+// Why no plan can be made of these records; empty: one can.
+std::string Obstacle(const Result& result) {
+  if (!result.data.obstacles.empty()) {
+    return absl::StrCat("What forbids a correction is to be mended first: ",
+                        result.data.obstacles.front().text);
+  }
+  if (result.estimate.setting.noise.empty()) {
+    return "Nothing was estimated from these records.";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<Option> OptionsOf(NextMoveOptions& move) {
+  return {
+      {"plan", &move.wanted,
+       "Plans the least costly change of set points after which the gains that "
+       "these records leave open are known."},
+      {"plan_error", &move.error,
+       "With --plan: the standard error of each gain that is wanted, relative "
+       "to the gain.",
+       "", kPositive},
+      {"plan_longest", OptionalNumber(&move.longest),
+       "With --plan: the longest time from the first move to the last. Empty: "
+       "ten settling times of the model.",
+       "min", kPositive},
+      {"plan_quiet", &move.quiet,
+       "With --plan: the least time between moves; 0: a twentieth of the "
+       "model's settling time.",
+       "min", kNotNegative},
+      {"plan_set_points", Words(&move.set_points),
+       "With --plan: the outputs whose set points may move, separated by "
+       "commas; empty: all."},
+      {"plan_min_output", LimitOfEachOutput(&move.min_output, -kInfinity),
+       "With --plan: lower limits of the outputs: one value, or one for each "
+       "output; none: no limit. Empty: half the width of its range in the "
+       "records below it."},
+      {"plan_max_output", LimitOfEachOutput(&move.max_output, kInfinity),
+       "With --plan: upper limits of the outputs, as --plan_min_output."},
+      {"plan_min_input", LimitOfEachInput(&move.min_input, -kInfinity),
+       "With --plan: lower limits of the inputs, as --plan_min_output."},
+      {"plan_max_input", LimitOfEachInput(&move.max_input, kInfinity),
+       "With --plan: upper limits of the inputs, as --plan_min_output."},
+      {"plan_price_squared", OptionalForEachOutput(&move.squared_price),
+       "With --plan: price of a squared unit of deviation from the set point "
+       "for an hour: one value, or one for each output. Without prices "
+       "deviations count in units of usual operation.",
+       "", kNotNegative},
+      {"plan_price_absolute", OptionalForEachOutput(&move.absolute_price),
+       "With --plan: price of a unit of deviation for an hour, as "
+       "--plan_price_squared.",
+       "", kNotNegative},
+  };
+}
+
+absl::Status CheckNextMove(const NextMoveOptions& move,
+                           const ProcessModel& model) {
+  if (!move.wanted) return absl::OkStatus();
+  MLE_RETURN_IF_ERROR(AboutOption(
+      "plan",
+      CheckNotIntegrating(model,
+                          "a plan needs outputs that settle where they are "
+                          "held")));
+  const std::vector<std::string> names = NamesOf(model.outputs());
+  for (const std::string& name : move.set_points) {
+    if (std::count(names.begin(), names.end(), name) > 0) continue;
+    return RefuseOption("plan_set_points", name,
+                        absl::StrCat("the model has no such output; ",
+                                     DidYouMean(name, names)));
+  }
+  const bool priced =
+      move.squared_price.size() > 0 || move.absolute_price.size() > 0;
+  if (priced && !SecondsPerUnit(model.time_unit()).has_value()) {
+    return InvalidArgument(
+        "--plan_price_squared, --plan_price_absolute: prices "
+        "are for hours, and the model's time unit is '",
+        model.time_unit(), "'");
+  }
+  if (priced && move.squared_price.isZero(0.0) &&
+      move.absolute_price.isZero(0.0)) {
+    return InvalidArgument(
+        "--plan_price_squared, --plan_price_absolute: a "
+        "price must be > 0");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<NextMove> PlanNextMove(const Result& result) {
+  NextMove move;
+  FindEarliest(result, move);
+  move.reason = Obstacle(result);
+  if (!move.reason.empty()) return move;
+  const Stage planning(result.options.progress, "planning the next move");
+  MLE_RETURN_IF_ERROR(planning.status());
+  PlanProblem problem;
+  problem.plant = result.model;
+  problem.sample_time = result.data.sample_time();
+  problem.questions = QuestionsOf(result);
+  problem.noise = result.estimate.setting.noise;
+  problem.windows = JoinAdjoining(result.data.Records()).records;
+  const Operation operation = OperationIn(result);
+  SetOperation(result, operation, problem);
+  if (problem.questions.empty()) {
+    move.plan = Plan();
+    return move;
+  }
+  const absl::StatusOr<control::MpcOptions> tuning =
+      TuningOf(result, problem.output_deviations, move);
+  const absl::StatusOr<control::Mpc> mpc =
+      tuning.ok() ? control::Mpc::Create(result.initial, *tuning)
+                  : tuning.status();
+  if (!mpc.ok()) {
+    move.reason =
+        absl::StrCat("No loop can be simulated: ", mpc.status().message(), ".");
+    return move;
+  }
+  problem.loop = LoopOf(*mpc, problem.sample_time);
+  move.options =
+      OptionsFor(result, operation, problem, tuning->control_period, move);
+  if (!((move.options.longest + 2.0 * SettlingTime(result.initial)) <=
+        kMostPlanSamples * problem.sample_time)) {
+    move.reason = "A plan of this length has too many samples.";
+    return move;
+  }
+  absl::StatusOr<Plan> plan = FindPlan(problem, move.options);
+  if (absl::IsInvalidArgument(plan.status())) {
+    return NamePlanFlag(plan.status());
+  }
+  if (!plan.ok()) {
+    move.reason =
+        absl::StrCat("No plan was found: ", plan.status().message(), ".");
+    return move;
+  }
+  move.usual = plan->cost / static_cast<double>(result.initial.num_outputs());
+  move.plan = *std::move(plan);
+  return move;
+}
+
+}  // namespace mle::correct
