@@ -29,6 +29,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -54,7 +55,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kLargestGain = 50.0;
-constexpr double kWanted = 0.1;
+const double kWanted = std::getenv("WANTED")?std::atof(std::getenv("WANTED")):0.1;
 constexpr double kRoom = 10.0;  // of outputs, beside what is kept, in σ
 constexpr int kUsual = 8000;    // samples of usual operation
 constexpr int kSequences = 2;
@@ -165,6 +166,7 @@ struct Study {
   PlanProblem problem;
   PlanOptions options;
   MatrixXd window_set_points;
+  std::shared_ptr<const std::vector<Record>> usual;
 };
 
 Study MakeStudy(const char* path, std::uint64_t seed) {
@@ -173,11 +175,13 @@ Study MakeStudy(const char* path, std::uint64_t seed) {
   absl::StatusOr<control::Mpc> mpc =
       control::Mpc::Create(site.plant.prediction, site.plant.tuning);
   CHECK(mpc.ok()) << mpc.status();
-  Study study{site, *mpc, {}, {}, {}};
+  Study study{site, *mpc, {}, {}, {}, {}};
   const int p = model.num_outputs();
   const absl::StatusOr<Record> usual =
       RunLoop(site, *mpc, model, MatrixXd::Zero(p, kUsual), seed, true);
   CHECK(usual.ok()) << usual.status();
+  study.usual = std::make_shared<const std::vector<Record>>(
+      std::vector<Record>{PartOf(*usual, 0, kUsual / 2)});
   PlanProblem& problem = study.problem;
   problem.plant = model;
   problem.sample_time = site.plant.sample_time;
@@ -374,13 +378,12 @@ void Estimate(const Study& study, const Plan& plan, const ProcessModel& truth,
               const std::vector<Record>& records, Executed& executed) {
   const ProcessModel& model = study.problem.plant;
   const absl::StatusOr<OutputErrorFit> fit =
-      std::getenv("FULL") ? [&]()->absl::StatusOr<OutputErrorFit>{auto c=CorrectByOutputError(model,records,{.threads=1}); if(!c.ok()) return c.status(); return c->full;}():
-      FitAllElements(model, records, {.threads = 1});
+      FitAllElements(model, records, {.at_rest = std::getenv("REST")?study.usual:nullptr, .threads = 1});
   if (!fit.ok()) return;
   ++executed.estimates;
   for (const PlanAnswer& answer : plan.answers) {
     const PlanQuestion& asked = answer.question;
-    if (answer.before <= asked.error) continue;
+    if (answer.before <= asked.error || asked.parameter != PlanParameter::kGain) continue;
     const double error =
         (fit->element(asked.output, asked.input).gain.value -
          truth.element(asked.output, asked.input).StaticGain()) /
@@ -476,6 +479,7 @@ Row Run(const char* path, Asked asked, int executions, int estimates,
     rows.push_back(*std::move(row));
   }
   study.problem.questions = QuestionsOf(study, rows, asked, seed);
+  if (std::getenv("COMP")) { auto qs=study.problem.questions; for(auto q:qs){ q.parameter=PlanParameter::kTimeConstant; q.error=std::atof(std::getenv("COMP")); if(rows[q.output].Place(q.input,q.parameter)>=0) study.problem.questions.push_back(q); q.parameter=PlanParameter::kDelay; study.problem.questions.push_back(q);} }
   const absl::StatusOr<Plan> plan = FindPlan(study.problem, study.options);
   CHECK(plan.ok()) << plan.status();
   Row row{.name = study.problem.plant.name()};

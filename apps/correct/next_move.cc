@@ -33,8 +33,8 @@ constexpr double kPeriodsToSettle = 60.0;
 constexpr double kMostPlanSamples = 2e5;
 // Limits that are not told: standard deviations of usual operation at least,
 // and shares of the width of the range in the records, beyond it.
-constexpr double kLeastRoom = 10.0;
-constexpr double kBeyondRange = 0.5;
+constexpr double kLeastRoom = 15.0;
+constexpr double kBeyondRange = 1.0;
 
 // Sums over the samples of a channel.
 struct ChannelUse {
@@ -309,7 +309,7 @@ PlanOptions OptionsFor(const Result& result, const Operation& operation,
   if (given.min_output.size() == 0 || given.max_output.size() == 0 ||
       given.min_input.size() == 0 || given.max_input.size() == 0) {
     move.assumptions.push_back(
-        "Limits that are not told (--plan_max_output and others) are half the "
+        "Limits that are not told (--plan_max_output and others) are the "
         "width of a channel's range in these records beyond it.");
   }
   if (!given.set_points.empty()) {
@@ -384,7 +384,7 @@ std::vector<Option> OptionsOf(NextMoveOptions& move) {
        "commas; empty: all."},
       {"plan_min_output", LimitOfEachOutput(&move.min_output, -kInfinity),
        "With --plan: lower limits of the outputs: one value, or one for each "
-       "output; none: no limit. Empty: half the width of its range in the "
+       "output; none: no limit. Empty: the width of its range in the "
        "records below it."},
       {"plan_max_output", LimitOfEachOutput(&move.max_output, kInfinity),
        "With --plan: upper limits of the outputs, as --plan_min_output."},

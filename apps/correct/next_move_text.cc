@@ -27,7 +27,7 @@ using MoveJson = nlohmann::ordered_json;
 
 // More gains than these are counted, not named.
 constexpr std::size_t kMostNamedGains = 3;
-// Curves of a figure are thinned to about this many points.
+// More channels than these are not drawn.
 constexpr int kMostPlanPanels = 12;
 
 std::string Percent(double share) {
@@ -81,8 +81,8 @@ std::string WhatItCosts(const Result& result, const NextMove& move) {
                       Duration(result, move.usual), " of usual operation.");
 }
 
-// "the gain of top ← reflux, to 8 % (now 40 %)", of the least known first.
-std::string Gains(const Result& result, const Plan& plan, bool after) {
+// "8 % for top ← reflux (now 40 %), …", of the least known first.
+std::string ErrorsAfter(const Result& result, const Plan& plan) {
   std::vector<const PlanAnswer*> answers;
   for (const PlanAnswer& answer : plan.answers) answers.push_back(&answer);
   std::stable_sort(answers.begin(), answers.end(),
@@ -92,19 +92,16 @@ std::string Gains(const Result& result, const Plan& plan, bool after) {
   std::vector<std::string> parts;
   for (const PlanAnswer* answer : answers) {
     if (parts.size() == kMostNamedGains) break;
-    parts.push_back(
-        absl::StrCat(PairName(result.initial, answer->question.output,
-                              answer->question.input),
-                     " to ", Percent(after ? answer->after : answer->before),
-                     std::isfinite(answer->before) && !answer->question.alone
-                         ? absl::StrCat(" (now ", Percent(answer->before), ")")
-                         : ""));
+    const PlanQuestion& question = answer->question;
+    const bool told = std::isfinite(answer->before) && !question.alone;
+    parts.push_back(absl::StrCat(
+        Percent(answer->after), " for ",
+        PairName(result.initial, question.output, question.input),
+        told ? absl::StrCat(" (now ", Percent(answer->before), ")") : ""));
   }
   const std::size_t others = answers.size() - parts.size();
-  return absl::StrCat(
-      answers.size() == 1 ? "the gain of " : "the gains of ",
-      absl::StrJoin(parts, ", "),
-      others > 0 ? absl::StrCat(" and ", others, " others better") : "");
+  if (others > 0) parts.push_back(absl::StrCat("less for ", others, " more"));
+  return absl::StrJoin(parts, ", ");
 }
 
 std::string WhenItMayBegin(const Result& result, const NextMove& move) {
@@ -175,12 +172,12 @@ std::vector<std::string> DescribeNextMove(const Result& result) {
     return {absl::StrCat("No plan within the limits and ",
                          Duration(result, move.options.longest),
                          " brings standard errors of ", wanted,
-                         ". The best one brings ", Gains(result, plan, true),
+                         ". The best one brings ", ErrorsAfter(result, plan),
                          "; what hinders is ", plan.hindrance, ".")};
   }
   return {WhatToDo(result, plan), WhatItCosts(result, move),
-          absl::StrCat("Then ", Gains(result, plan, true),
-                       " will be known (standard errors)."),
+          absl::StrCat("Standard errors of gains will then be ",
+                       ErrorsAfter(result, plan), "."),
           WhenItMayBegin(result, move)};
 }
 
