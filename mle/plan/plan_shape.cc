@@ -28,7 +28,7 @@ constexpr double kTail = 1.5;
 constexpr double kNextToNothing = 1e-2;
 constexpr double kOutOfReach = 1e3;
 // Shares of the cost: of a move, and of each settling time that it takes.
-constexpr double kPriceOfMove = 0.01;
+constexpr double kPriceOfMove = 0.02;
 constexpr double kPriceOfTime = 0.03;
 constexpr double kLargestSize = 1e9;
 

@@ -50,6 +50,7 @@ from .interop import (
 from .lifecycles import LifecycleResult, lifecycle, lifecycle_options
 from .model import DisturbanceModel, from_fopdt, from_step_responses, from_transfer_functions
 from .mpc import Mpc
+from .next_move import NextMove
 from .records import read_records, to_dataframe
 from .simulation import simulate, simulate_options
 
@@ -70,6 +71,7 @@ __all__ = [
     "Message",
     "MissingFileError",
     "Mpc",
+    "NextMove",
     "NotUsableError",
     "Plant",
     "ProcessModel",

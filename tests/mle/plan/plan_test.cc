@@ -214,10 +214,9 @@ TEST(PlanTest, StaysWhereItMayNotMoveAndKeepsQuietTime) {
   PlanOptions options = Longest(400.0);
   options.movable = {true, false};
   options.shortest_hold = 40.0;
-  // Inputs that move together hardly tell gains apart.
-  problem.questions[0].error = 0.5;
   const Plan plan = PlanFor(problem, options);
-  ASSERT_EQ(plan.state, Plan::State::kFound);
+  // Both inputs move together, which hardly tells their gains apart.
+  ASSERT_GE(plan.steps.size(), 2U);
   for (std::size_t s = 0; s + 1 < plan.steps.size(); ++s) {
     EXPECT_EQ(plan.steps[s].set_points(1), problem.set_points(1));
     EXPECT_GE(plan.steps[s + 1].time - plan.steps[s].time, 40.0);
