@@ -17,7 +17,7 @@
 // largest size within the same limits, for as long as the questions need by the
 // same bound of information. It moves the set points that the plan moves, all
 // set points, or all inputs in open loop without control, where disturbances
-// cost nothing more; three sequences are averaged. Costs are squared
+// cost nothing more; two sequences are averaged. Costs are squared
 // deviations in units of usual operation; errors are root mean squares over the
 // plants that the plan averages them over.
 //
@@ -61,10 +61,10 @@ constexpr double kLargestGain = 50.0;
 constexpr double kWanted = 0.1;
 constexpr double kRoom = 10.0;  // of outputs, beside what is kept, in σ
 constexpr int kUsual = 8000;    // samples of usual operation
-constexpr int kSequences = 3;
-constexpr double kLongest = 12.0;       // of a plan, in settling times
-constexpr double kLongestTest = 100.0;  // of generalised binary noise
-constexpr double kSpread = 1.2;         // of it, as a plan has at first
+constexpr int kSequences = 2;
+constexpr double kLongest = 12.0;      // of a plan, in settling times
+constexpr double kLongestTest = 64.0;  // of generalised binary noise
+constexpr double kSpread = 1.2;        // of it, as a plan has at first
 
 struct Site {
   benchmarks::TunedPlant plant;
@@ -427,13 +427,19 @@ Test TestOf(const Study& study, Moved moved, const std::vector<bool>& same,
       room(unit->outputs, study.options.max_output, problem.output_deviations),
       room(unit->inputs, study.options.max_input, problem.input_deviations));
   Test test;
-  Index enough = longest.cols();
-  if (answers_of(signal_of(enough, size)).worst > 1.0) return test;
+  const auto suffices = [&](Index samples) {
+    return answers_of(signal_of(samples, size)).worst <= 1.0;
+  };
   Index little = 0;
-  while (enough - little > settled / 8 + 1) {
+  Index enough = 2 * settled;
+  while (!suffices(enough)) {
+    if (enough == longest.cols()) return test;
+    little = enough;
+    enough = std::min(2 * enough, longest.cols());
+  }
+  while (enough - little > enough / 16 + 1) {
     const Index middle = (little + enough) / 2;
-    const Answers answers = answers_of(signal_of(middle, size));
-    (answers.worst > 1.0 ? little : enough) = middle;
+    (suffices(middle) ? enough : little) = middle;
   }
   test.signal = signal_of(enough, size);
   const Answers answers = answers_of(test.signal);

@@ -75,14 +75,14 @@ void AddSquares(const VectorXd& row, const VectorXd& center, ChannelUse& use) {
   }
 }
 
-// Parts in which nothing is asked of the plant: between the windows, and in
-// them before their first change.
+// Parts in which nothing is asked of the plant: between the windows, in them
+// before their first change, and records in which nothing changes.
 std::vector<Record> QuietParts(const RecordData& data) {
   std::vector<Record> parts = data.AtRest();
   for (const SetPointWindow& window : data.windows) {
-    const int first =
-        window.changes.empty() ? 0 : window.changes.front().sample;
-    if (first > 1) parts.push_back(PartOf(window.record, 0, first));
+    const int samples = window.changes.empty() ? window.record.samples()
+                                               : window.changes.front().sample;
+    if (samples > 1) parts.push_back(PartOf(window.record, 0, samples));
   }
   return parts;
 }

@@ -59,7 +59,10 @@ std::string FirstMove(const Result& result, const Plan& plan) {
                                  output.name, " by ",
                                  WithUnit(std::abs(move(i)), output.unit)));
   }
-  return absl::StrJoin(parts, " and ");
+  if (parts.size() == 1) return parts.front();
+  const std::string last = std::move(parts.back());
+  parts.pop_back();
+  return absl::StrCat(absl::StrJoin(parts, ", "), " and ", last);
 }
 
 std::string WhatToDo(const Result& result, const Plan& plan) {

@@ -86,7 +86,7 @@ def test_the_next_move(loop):
     model, _, record = loop
     kept = mle.correct(model, record, **FAST)
     assert kept.plan is None
-    move = mle.correct(model, record, plan=True, plan_error=0.002, **FAST).plan
+    move = mle.correct(model, record, plan=True, plan_error=0.0005, **FAST).plan
     assert move.state in ("found", "out_of_reach") and move.cost > 0.0
     assert move.steps.index[0] == 0.0 and move.steps.index[-1] == move.duration
     assert (move.gains["after"] < move.gains["before"]).all()
