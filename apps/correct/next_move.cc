@@ -75,14 +75,29 @@ void AddSquares(const VectorXd& row, const VectorXd& center, ChannelUse& use) {
   }
 }
 
+// Adds what is between the changes of set points of a record, once each has
+// settled.
+void AddResting(const Record& record, int settled, std::vector<Record>& parts) {
+  int first = 0;
+  const auto add = [&](int end) {
+    if (end - first > 1) parts.push_back(PartOf(record, first, end - first));
+  };
+  for (const SetPointChange& change : FindSetPointChanges(record)) {
+    add(change.sample);
+    first = std::max(first, change.sample + settled);
+  }
+  add(record.samples());
+}
+
 // Parts in which nothing is asked of the plant: between the windows, in them
 // before their first change, and records in which nothing changes.
 std::vector<Record> QuietParts(const RecordData& data) {
-  std::vector<Record> parts = data.AtRest();
+  std::vector<Record> parts;
+  for (const Record& rest : data.AtRest()) AddResting(rest, data.lead, parts);
   for (const SetPointWindow& window : data.windows) {
     const int samples = window.changes.empty() ? window.record.samples()
                                                : window.changes.front().sample;
-    if (samples > 1) parts.push_back(PartOf(window.record, 0, samples));
+    AddResting(PartOf(window.record, 0, samples), data.lead, parts);
   }
   return parts;
 }
