@@ -380,7 +380,7 @@ std::string Obstacle(const Result& result) {
 std::vector<Option> OptionsOf(NextMoveOptions& move) {
   return {
       {"plan", &move.wanted,
-       "Plans set points that would tell what these records do not."},
+       "Plans set points that tell what these records do not."},
       {"plan_error", &move.error,
        "With --plan: the standard error of each gain that is wanted, relative "
        "to the gain.",

@@ -42,7 +42,7 @@ std::vector<Option> FileOptions(Request& request) {
        "Only writes this file for --tag_file, with a row for each column of "
        "the records and the channel whose name is nearest, to be checked."},
       {"previous", &request.previous,
-       "Folder of the last run, with which the page compares this."},
+       "Folder of the last run, which the page compares."},
       {"figures", &request.figures,
        "Draws the figures, for the page and as files (SVG; PNG and PDF need "
        "rsvg-convert)."},
