@@ -7,9 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/report.h"
 #include "apps/correct/result.h"
-#include "apps/report/text.h"
+#include "apps/correct/usual_operation.h"
 #include "control/first_order.h"
 #include "control/mpc.h"
 #include "control/retuning.h"
@@ -35,111 +34,6 @@ constexpr double kMostPlanSamples = 2e5;
 // and shares of the width of the range in the records, beyond it.
 constexpr double kLeastRoom = 15.0;
 constexpr double kBeyondRange = 1.0;
-
-// Sums over the samples of a channel.
-struct ChannelUse {
-  double low = kInfinity;
-  double high = -kInfinity;
-  double last = 0.0;
-  bool known = false;
-  double squares = 0.0;  // about the set point, or the mean of its part
-  double count = 0.0;
-
-  void Add(double value) {
-    if (!std::isfinite(value)) return;
-    known = true;
-    low = std::min(low, value);
-    high = std::max(high, value);
-    last = value;
-  }
-  double deviation() const {
-    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
-  }
-};
-
-// Adds squares of `row` about `center`, or about its mean where that is empty.
-void AddSquares(const VectorXd& row, const VectorXd& center, ChannelUse& use) {
-  double sum = 0.0;
-  double count = 0.0;
-  for (const double value : row) {
-    if (!std::isfinite(value)) continue;
-    sum += value;
-    count += 1.0;
-  }
-  if (count < 2.0) return;
-  for (Index k = 0; k < row.size(); ++k) {
-    const double about = center.size() > 0 ? center(k) : sum / count;
-    if (!std::isfinite(row(k)) || !std::isfinite(about)) continue;
-    use.squares += (row(k) - about) * (row(k) - about);
-    use.count += 1.0;
-  }
-}
-
-// Adds what is between the changes of set points of a record, once each has
-// settled.
-void AddResting(const Record& record, int settled, std::vector<Record>& parts) {
-  int first = 0;
-  const auto add = [&](int end) {
-    if (end - first > 1) parts.push_back(PartOf(record, first, end - first));
-  };
-  for (const SetPointChange& change : FindSetPointChanges(record)) {
-    add(change.sample);
-    first = std::max(first, change.sample + settled);
-  }
-  add(record.samples());
-}
-
-// Parts in which nothing is asked of the plant: between the windows, in them
-// before their first change, and records in which nothing changes.
-std::vector<Record> QuietParts(const RecordData& data) {
-  std::vector<Record> parts;
-  for (const Record& rest : data.AtRest()) AddResting(rest, data.lead, parts);
-  for (const SetPointWindow& window : data.windows) {
-    const int samples = window.changes.empty() ? window.record.samples()
-                                               : window.changes.front().sample;
-    AddResting(PartOf(window.record, 0, samples), data.lead, parts);
-  }
-  return parts;
-}
-
-// p outputs, then m inputs, then the set points where there are any.
-struct Operation {
-  std::vector<ChannelUse> outputs;
-  std::vector<ChannelUse> inputs;
-  std::vector<ChannelUse> set_points;
-};
-
-Operation OperationIn(const Result& result) {
-  const int p = result.initial.num_outputs();
-  const int m = result.initial.num_inputs();
-  Operation operation;
-  operation.outputs.resize(p);
-  operation.inputs.resize(m);
-  operation.set_points.resize(p);
-  for (const Record& record : result.data.records) {
-    for (Index k = 0; k < record.samples(); ++k) {
-      for (int i = 0; i < p; ++i) {
-        operation.outputs[i].Add(record.outputs(i, k));
-        if (record.set_points.size() > 0) {
-          operation.set_points[i].Add(record.set_points(i, k));
-        }
-      }
-      for (int j = 0; j < m; ++j) operation.inputs[j].Add(record.inputs(j, k));
-    }
-  }
-  for (const Record& part : QuietParts(result.data)) {
-    for (int i = 0; i < p; ++i) {
-      const VectorXd center = part.set_points.size() > 0
-                                  ? VectorXd(part.set_points.row(i))
-                                  : VectorXd();
-      AddSquares(part.outputs.row(i), center, operation.outputs[i]);
-    }
-    for (int j = 0; j < m; ++j) {
-      AddSquares(part.inputs.row(j), {}, operation.inputs[j]);
-    }
-  }
-  return operation;
-}
 
 // The questions: gains that are not known as well as wanted and, where it
 // cannot be told whether an output has aged, all of its gains by the plan
@@ -273,14 +167,6 @@ VectorXd LimitsOf(const VectorXd& told, const std::vector<ChannelUse>& uses,
   return limits;
 }
 
-VectorXd Deviations(const std::vector<ChannelUse>& uses) {
-  VectorXd deviations(std::ssize(uses));
-  for (std::size_t c = 0; c < uses.size(); ++c) {
-    deviations(static_cast<Index>(c)) = uses[c].deviation();
-  }
-  return deviations;
-}
-
 void SetOperation(const Result& result, const Operation& operation,
                   PlanProblem& problem) {
   problem.output_deviations = Deviations(operation.outputs);
@@ -376,79 +262,6 @@ std::string Obstacle(const Result& result) {
 }
 
 }  // namespace
-
-std::vector<Option> OptionsOf(NextMoveOptions& move) {
-  return {
-      {"plan", &move.wanted,
-       "Plans set points that tell what these records do not."},
-      {"plan_error", &move.error,
-       "With --plan: the standard error of each gain that is wanted, relative "
-       "to the gain.",
-       "", kPositive},
-      {"plan_longest", OptionalNumber(&move.longest),
-       "With --plan: the longest time from the first move to the last. Empty: "
-       "ten settling times of the model.",
-       "min", kPositive},
-      {"plan_quiet", &move.quiet,
-       "With --plan: the least time between moves; 0: a twentieth of the "
-       "model's settling time.",
-       "min", kNotNegative},
-      {"plan_set_points", Words(&move.set_points),
-       "With --plan: the outputs whose set points may move, separated by "
-       "commas; empty: all."},
-      {"plan_min_output", LimitOfEachOutput(&move.min_output, -kInfinity),
-       "With --plan: lower limits of the outputs: one value, or one for each "
-       "output; none: no limit. Empty: the width of its range in the "
-       "records below it."},
-      {"plan_max_output", LimitOfEachOutput(&move.max_output, kInfinity),
-       "With --plan: upper limits of the outputs, as --plan_min_output."},
-      {"plan_min_input", LimitOfEachInput(&move.min_input, -kInfinity),
-       "With --plan: lower limits of the inputs, as --plan_min_output."},
-      {"plan_max_input", LimitOfEachInput(&move.max_input, kInfinity),
-       "With --plan: upper limits of the inputs, as --plan_min_output."},
-      {"plan_price_squared", OptionalForEachOutput(&move.squared_price),
-       "With --plan: price of a squared unit of deviation from the set point "
-       "for an hour: one value, or one for each output. Without prices "
-       "deviations count in units of usual operation.",
-       "", kNotNegative},
-      {"plan_price_absolute", OptionalForEachOutput(&move.absolute_price),
-       "With --plan: price of a unit of deviation for an hour, as "
-       "--plan_price_squared.",
-       "", kNotNegative},
-  };
-}
-
-absl::Status CheckNextMove(const NextMoveOptions& move,
-                           const ProcessModel& model) {
-  if (!move.wanted) return absl::OkStatus();
-  MLE_RETURN_IF_ERROR(AboutOption(
-      "plan",
-      CheckNotIntegrating(model,
-                          "a plan needs outputs that settle where they are "
-                          "held")));
-  const std::vector<std::string> names = NamesOf(model.outputs());
-  for (const std::string& name : move.set_points) {
-    if (std::count(names.begin(), names.end(), name) > 0) continue;
-    return RefuseOption("plan_set_points", name,
-                        absl::StrCat("the model has no such output; ",
-                                     DidYouMean(name, names)));
-  }
-  const bool priced =
-      move.squared_price.size() > 0 || move.absolute_price.size() > 0;
-  if (priced && !SecondsPerUnit(model.time_unit()).has_value()) {
-    return InvalidArgument(
-        "--plan_price_squared, --plan_price_absolute: prices "
-        "are for hours, and the model's time unit is '",
-        model.time_unit(), "'");
-  }
-  if (priced && move.squared_price.isZero(0.0) &&
-      move.absolute_price.isZero(0.0)) {
-    return InvalidArgument(
-        "--plan_price_squared, --plan_price_absolute: a "
-        "price must be > 0");
-  }
-  return absl::OkStatus();
-}
 
 absl::StatusOr<NextMove> PlanNextMove(const Result& result) {
   NextMove move;

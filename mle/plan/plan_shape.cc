@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "Eigen/Cholesky"
-#include "Eigen/Eigenvalues"
 #include "mle/base/double_limits.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
@@ -30,7 +29,6 @@ constexpr double kOutOfReach = 1e3;
 // Shares of the cost: of a move, and of each settling time that it takes.
 constexpr double kPriceOfMove = 0.02;
 constexpr double kPriceOfTime = 0.03;
-constexpr double kLargestSize = 1e9;
 
 // E|m + σ z| − E|σ z|.
 double MoreAbsolute(double m, double deviation) {
@@ -41,47 +39,12 @@ double MoreAbsolute(double m, double deviation) {
          m * std::erf(unit / std::numbers::sqrt2);
 }
 
-// The mean over plants.
-double MeanAt(const Variances& variances, double size) {
-  double sum = 0.0;
-  for (const VarianceOfSize& variance : variances) sum += variance.At(size);
-  return sum / static_cast<double>(variances.size());
-}
-
-double LeastSizeFor(const Variances& variances, double wanted) {
-  if (MeanAt(variances, 0.0) <= wanted) return 0.0;
-  if (MeanAt(variances, kLargestSize) > wanted) return kInfinity;
-  double low = -30.0;
-  double high = std::log(kLargestSize);
-  for (int step = 0; step < 50; ++step) {
-    const double middle = 0.5 * (low + high);
-    (MeanAt(variances, std::exp(middle)) > wanted ? low : high) = middle;
-  }
-  return std::exp(high);
-}
-
-VarianceOfSize VarianceOf(const MatrixXd& root, const MatrixXd& information,
-                          Index place) {
-  const auto lower = root.triangularView<Eigen::Lower>();
-  const MatrixXd half = lower.solve(information);
-  const MatrixXd relative = lower.solve(half.transpose());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
-      0.5 * (relative + relative.transpose()));
-  const VectorXd own = lower.solve(VectorXd::Unit(root.rows(), place)).eval();
-  const VectorXd along = solver.eigenvectors().transpose() * own;
-  return {along.cwiseAbs2(), solver.eigenvalues().cwiseMax(0.0)};
-}
-
 VectorXd Room(const VectorXd& limits, const VectorXd& from, double sign) {
   if (limits.size() == 0) return VectorXd::Constant(from.size(), kInfinity);
   return sign * (limits - from);
 }
 
 }  // namespace
-
-double VarianceOfSize::At(double size) const {
-  return (squares.array() / (1.0 + size * size * growth.array())).sum();
-}
 
 int PlanShape::duration() const {
   return repeats * std::accumulate(holds.begin(), holds.end(), 0);

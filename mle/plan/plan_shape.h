@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "mle/plan/plan.h"
 #include "mle/plan/plan_row.h"
+#include "mle/plan/plan_variance.h"
 
 namespace mle {
 
@@ -68,15 +69,6 @@ struct ShapeValue {
   int channel = -1;  // that limits the size: outputs, inputs, set points
   bool upper = true;
 };
-
-// The variance Σ_l c_l²/(1 + s² λ_l) of a parameter after a plan of size s.
-struct VarianceOfSize {
-  Eigen::VectorXd squares;
-  Eigen::VectorXd growth;
-
-  double At(double size) const;
-};
-using Variances = std::vector<VarianceOfSize>;  // of each plant
 
 class ShapeEvaluator {
  public:
