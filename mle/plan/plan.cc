@@ -90,6 +90,11 @@ class PlanMaker {
   double Fit(const PlanBand& band, std::vector<int>& beyond) const;
   void Write(const ShapeEvaluator& evaluator, const PlanShape& shape,
              const Record& expected, const PlanBand& band);
+  // Has the evaluator keep limits with these plants, and drops from those drawn
+  // what the loop does not hold.
+  absl::Status KeepLimits(const std::vector<int>& beyond,
+                          std::vector<ProcessModel>& drawn,
+                          ShapeEvaluator& evaluator);
   std::string Hindrance(const ShapeValue& value) const;
 
   const PlanProblem& problem_;
@@ -284,7 +289,7 @@ void PlanMaker::Write(const ShapeEvaluator& evaluator, const PlanShape& shape,
                              problem_.input_deviations);
   plan_.high_inputs = widened(band.high.bottomRows(m), 1.0, 0, problem_.inputs,
                               problem_.input_deviations);
-  plan_.left_out = band.left_out;
+  plan_.left_out += band.left_out;
 }
 
 absl::Status PlanMaker::ChoosePlants(const std::vector<ProcessModel>& drawn) {
@@ -303,13 +308,28 @@ absl::Status PlanMaker::ChoosePlants(const std::vector<ProcessModel>& drawn) {
   return absl::OkStatus();
 }
 
+absl::Status PlanMaker::KeepLimits(const std::vector<int>& beyond,
+                                   std::vector<ProcessModel>& drawn,
+                                   ShapeEvaluator& evaluator) {
+  for (auto plant = beyond.rbegin(); plant != beyond.rend(); ++plant) {
+    const absl::Status status =
+        evaluator.KeepLimitsOf(problem_, drawn[*plant], options_);
+    if (status.ok()) continue;
+    if (!absl::IsFailedPrecondition(status)) return status;
+    // The loop holds it no longer than a plan.
+    drawn.erase(drawn.begin() + *plant);
+    ++plan_.left_out;
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Plan> PlanMaker::Make() {
   MLE_RETURN_IF_ERROR(CheckProblem(problem_, options_));
   MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows, RowsOf(problem_));
   MLE_ASSIGN_OR_RETURN(std::vector<OpenQuestion> open, Ask(rows));
   if (open.empty()) return std::move(plan_);
   grid_ = MakePlanGrid(problem_, options_);
-  MLE_ASSIGN_OR_RETURN(const std::vector<ProcessModel> drawn,
+  MLE_ASSIGN_OR_RETURN(std::vector<ProcessModel> drawn,
                        DrawPlants(problem_, options_));
   plan_.plants = static_cast<int>(drawn.size());
   MLE_RETURN_IF_ERROR(ChoosePlants(drawn));
@@ -325,10 +345,7 @@ absl::StatusOr<Plan> PlanMaker::Make() {
     std::vector<int> beyond;
     const double fit = Fit(band, beyond);
     if (fit < 1.0 && round < kMostRounds) {
-      for (const int plant : beyond) {
-        MLE_RETURN_IF_ERROR(
-            evaluator.KeepLimitsOf(problem_, drawn[plant], options_));
-      }
+      MLE_RETURN_IF_ERROR(KeepLimits(beyond, drawn, evaluator));
       shape = RefineShape(evaluator, bounds, std::move(shape));
       continue;
     }

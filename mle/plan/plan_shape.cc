@@ -150,9 +150,11 @@ absl::StatusOr<ShapeEvaluator> ShapeEvaluator::Create(
                                                         problem.sample_time));
       rows.push_back(std::move(row));
     }
-    MLE_ASSIGN_OR_RETURN(Steps steps,
-                         made.StepsOf(problem, plant, rows, options));
-    made.steps_.push_back(std::move(steps));
+    absl::StatusOr<Steps> steps = made.StepsOf(problem, plant, rows, options);
+    const bool expected = made.steps_.empty();
+    if (!expected && absl::IsFailedPrecondition(steps.status())) continue;
+    MLE_RETURN_IF_ERROR(steps.status());
+    made.steps_.push_back(*std::move(steps));
   }
   return made;
 }
