@@ -20,7 +20,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Searches with more and more plants that go beyond limits, until none does.
-constexpr int kMostRounds = 8;
+constexpr int kMostRounds = 12;
+// The search begins anew in every so many rounds: shapes that suit many limits
+// are far from those that suit few.
+constexpr int kAnew = 3;
 // Plants over which squared errors are averaged: what is expected, and some
 // drawn.
 constexpr std::size_t kPlants = 5;
@@ -338,15 +341,19 @@ absl::StatusOr<Plan> PlanMaker::Make() {
                                               plants_, std::move(open)));
   const ShapeBounds bounds = MakeShapeBounds(problem_, options_, grid_);
   PlanShape shape = FindShape(evaluator, bounds);
+  bool anew = true;
   for (int round = 1;; ++round) {
     MLE_ASSIGN_OR_RETURN(PlanShape sized, Sized(shape, evaluator));
     MLE_ASSIGN_OR_RETURN(Record expected, Expect(sized));
     MLE_ASSIGN_OR_RETURN(PlanBand band, Simulate(sized, drawn));
     std::vector<int> beyond;
     const double fit = Fit(band, beyond);
-    if (fit < 1.0 && round < kMostRounds) {
+    const bool stuck = !anew && !evaluator.Evaluate(shape).reaches;
+    if ((fit < 1.0 || stuck) && round < kMostRounds) {
       MLE_RETURN_IF_ERROR(KeepLimits(beyond, drawn, evaluator));
-      shape = RefineShape(evaluator, bounds, std::move(shape));
+      anew = fit >= 1.0 || round % kAnew == 0;
+      shape = anew ? FindShape(evaluator, bounds)
+                   : RefineShape(evaluator, bounds, std::move(shape));
       continue;
     }
     if (fit < 1.0) {
