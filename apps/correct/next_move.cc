@@ -63,6 +63,24 @@ std::vector<PlanQuestion> QuestionsOf(const Result& result) {
   return questions;
 }
 
+// Drops questions about outputs without a noise. Why none is left, or empty.
+std::string LeaveOutUnmeasured(const Result& result,
+                               std::vector<PlanQuestion>& questions,
+                               NextMove& move) {
+  std::string last;
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    const double variance = result.estimate.setting.noise[i].variance;
+    if (variance > 0.0 && std::isfinite(variance)) continue;
+    const auto is_of = [i](const PlanQuestion& one) { return one.output == i; };
+    if (std::erase_if(questions, is_of) == 0) continue;
+    last = absl::StrCat(result.initial.outputs()[i].name,
+                        " is not measured in these records: nothing is planned "
+                        "for it.");
+    move.assumptions.push_back(last);
+  }
+  return questions.empty() ? last : "";
+}
+
 // As it is told, or by published rules.
 absl::StatusOr<control::MpcOptions> TuningOf(const Result& result,
                                              const VectorXd& deviations,
@@ -275,6 +293,8 @@ absl::StatusOr<NextMove> PlanNextMove(const Result& result) {
   problem.sample_time = result.data.sample_time();
   problem.questions = QuestionsOf(result);
   problem.noise = result.estimate.setting.noise;
+  move.reason = LeaveOutUnmeasured(result, problem.questions, move);
+  if (!move.reason.empty()) return move;
   problem.windows = JoinAdjoining(result.data.Records()).records;
   const Operation operation = OperationIn(result);
   SetOperation(result, operation, problem);

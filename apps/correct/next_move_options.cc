@@ -9,6 +9,11 @@
 #include "mle/data/civil_time.h"
 
 namespace mle::correct {
+namespace {
+
+constexpr NumberRange kErrorWanted{.min = 0.0, .max = 1.0, .open_min = true};
+
+}  // namespace
 
 std::vector<Option> OptionsOf(NextMoveOptions& move) {
   return {
@@ -17,7 +22,7 @@ std::vector<Option> OptionsOf(NextMoveOptions& move) {
       {"plan_error", &move.error,
        "With --plan: the standard error of each gain that is wanted, relative "
        "to the gain.",
-       "", kPositive},
+       "", kErrorWanted},
       {"plan_longest", OptionalNumber(&move.longest),
        "With --plan: the longest time from the first move to the last. Empty: "
        "ten settling times of the model.",

@@ -65,7 +65,7 @@ std::string FirstMove(const Result& result, const Plan& plan) {
   return absl::StrCat(absl::StrJoin(parts, ", "), " and ", last);
 }
 
-std::string WhatToDo(const Result& result, const Plan& plan) {
+std::string WhatToMove(const Result& result, const Plan& plan) {
   const std::size_t held = plan.steps.size() - 1;
   const std::string first = absl::StrCat(FirstMove(result, plan), " for ",
                                          Duration(result, plan.steps[1].time));
@@ -142,7 +142,7 @@ MoveJson ChannelJson(const std::string& name, const Eigen::MatrixXd& expected,
           {"limits", {FiniteOrNull(min(row)), FiniteOrNull(max(row))}}};
 }
 
-const char* StateName(const NextMove& move) {
+const char* PlanStateName(const NextMove& move) {
   if (!move.plan.has_value()) return "impossible";
   switch (move.plan->state) {
     case Plan::State::kNothingNeeded:
@@ -178,7 +178,7 @@ std::vector<std::string> DescribeNextMove(const Result& result) {
                          ". The best one brings ", ErrorsAfter(result, plan),
                          "; what hinders is ", plan.hindrance, ".")};
   }
-  return {WhatToDo(result, plan), WhatItCosts(result, move),
+  return {WhatToMove(result, plan), WhatItCosts(result, move),
           absl::StrCat("Standard errors of gains will then be ",
                        ErrorsAfter(result, plan), "."),
           WhenItMayBegin(result, move)};
@@ -287,7 +287,7 @@ void AddNextMove(const Result& result,
 nlohmann::ordered_json NextMoveJson(const Result& result) {
   const NextMove& move = *result.next_move;
   const ProcessModel& model = result.initial;
-  MoveJson json = {{"state", StateName(move)},
+  MoveJson json = {{"state", PlanStateName(move)},
                    {"sentences", DescribeNextMove(result)}};
   if (!move.plan.has_value() || move.plan->steps.empty()) return json;
   const Plan& plan = *move.plan;

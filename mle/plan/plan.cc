@@ -200,7 +200,9 @@ absl::StatusOr<PlanShape> PlanMaker::Sized(const PlanShape& shape,
     PlanShape sized = Scaled(shape, size, !value.reaches);
     MLE_ASSIGN_OR_RETURN(const double most, AnswerBy(sized));
     if (!value.reaches || most <= kEnough || round == kMostCorrections) {
-      evaluator.SetDemand(evaluator.demand() * size / value.size);
+      if (value.size != 0.0) {
+        evaluator.SetDemand(evaluator.demand() * size / value.size);
+      }
       return sized;
     }
     size *= std::min(most, kLargestCorrection);

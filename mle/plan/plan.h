@@ -66,8 +66,8 @@ struct PlanQuestion {
   int output = 0;
   int input = 0;  // not a disturbance
   PlanParameter parameter = PlanParameter::kGain;
-  // Standard error > 0, as a share of the parameter; of a dead time in units of
-  // s.
+  // Standard error in (0, 1], as a share of the parameter; of a dead time in
+  // units of s.
   double error = 0.1;
   // By the plan's record alone: the others are in doubt.
   bool alone = false;

@@ -74,8 +74,9 @@ absl::Status CheckQuestion(const PlanProblem& problem,
                            plant.num_outputs(), " and ", plant.num_inputs());
   }
   const std::string pair = PairName(plant, question.output, question.input);
-  MLE_RETURN_IF_ERROR(CheckNumber("error", question.error, question.error > 0.0,
-                                  "> 0 and finite"));
+  MLE_RETURN_IF_ERROR(CheckNumber("error", question.error,
+                                  question.error > 0.0 && question.error <= 1.0,
+                                  "in (0, 1]"));
   if (plant.element(question.output, question.input).IsZero()) {
     return InvalidArgument("plan: ", pair, " is zero in the model");
   }

@@ -59,7 +59,7 @@ TEST(PlanInputTest, RefusesQuestionsThatNoSetPointAnswers) {
               HasSubstr("output 0 and input 2"));
   problem.questions[0] = {.output = 0, .input = 1, .error = 0.0};
   EXPECT_EQ(Refusal(problem, Longest(300.0)),
-            "plan: error is 0; it must be > 0 and finite");
+            "plan: error is 0; it must be in (0, 1]");
 }
 
 TEST(PlanInputTest, RefusesOptionsThatDoNotFit) {
