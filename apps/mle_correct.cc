@@ -129,6 +129,9 @@ void PrintResult(const Result& result) {
   for (const std::string& line : ShortVerdict(result)) {
     std::cout << line << "\n";
   }
+  for (const std::string& line : DescribeNextMove(result)) {
+    std::cout << line << "\n";
+  }
   std::cout << WhereTheRestIs(result) << "\n";
   if (!result.request.verbose) return;
   PrintMessages("warning", result.warnings);

@@ -24,11 +24,10 @@
 #include <vector>
 
 #include "Eigen/Cholesky"
+#include "benchmarks/tuned_plant.h"
 #include "control/disturbance_observer.h"
 #include "control/expected_operation.h"
 #include "control/mpc.h"
-#include "control/prediction_model.h"
-#include "control/retuning.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
 #include "mle/filter/bias_filter.h"
@@ -45,7 +44,6 @@ using Eigen::VectorXd;
 
 constexpr int kUnseen = 40'000;
 constexpr int kForget = 2'000;
-constexpr int kLongestHorizon = 60;
 
 enum Family { kWalk, kSteps, kColour, kLoad, kIntegratedLoad, kOscillation };
 constexpr int kFamilies = 6;
@@ -168,50 +166,7 @@ control::OutputConditions ConditionsOf(const Disturbance& of, int samples) {
   return met;
 }
 
-struct Plant {
-  ProcessModel model;
-  control::PredictionModel prediction;
-  control::MpcOptions tuning;
-  double sample_time = 0.0;
-  int samples_of_period = 2;
-  double lag = 0.0;  // in samples
-};
-
-Plant ReadPlant(const std::string& path) {
-  absl::StatusOr<ProcessModel> model = ReadProcessModel(path);
-  CHECK(model.ok()) << model.status();
-  Plant plant{.model = *std::move(model)};
-  const int p = plant.model.num_outputs();
-  const int m = plant.model.num_inputs();
-  control::MpcOptions before;
-  before.output_weight = Eigen::MatrixXd::Identity(p, p);
-  before.move_weight = Eigen::MatrixXd::Identity(m, m);
-  const absl::StatusOr<std::vector<control::FirstOrder>> elements =
-      control::DescribeAsFirstOrder(plant.model.ComputeStepResponse(
-          SettlingTime(plant.model) / 1000.0, 3001));
-  CHECK(elements.ok()) << elements.status();
-  std::vector<std::string> unused;
-  const absl::StatusOr<control::MpcOptions> tuning = control::TuneByRules(
-      *elements, InputRoles(plant.model), 0.0, before, {}, unused);
-  CHECK(tuning.ok()) << tuning.status();
-  plant.tuning = *tuning;
-  plant.tuning.prediction_horizon =
-      std::min(plant.tuning.prediction_horizon, kLongestHorizon);
-  plant.tuning.control_horizon =
-      std::min(plant.tuning.control_horizon, plant.tuning.prediction_horizon);
-  plant.sample_time = plant.tuning.control_period / plant.samples_of_period;
-  std::vector<double> lags;
-  for (const control::FirstOrder& element : *elements) {
-    if (element.gain != 0.0) lags.push_back(element.time_constant);
-  }
-  std::sort(lags.begin(), lags.end());
-  plant.lag = lags[lags.size() / 2] / plant.sample_time;
-  absl::StatusOr<control::PredictionModel> prediction =
-      control::PredictFromProcess(plant.model, plant.tuning.control_period);
-  CHECK(prediction.ok()) << prediction.status();
-  plant.prediction = *std::move(prediction);
-  return plant;
-}
+using Plant = benchmarks::TunedPlant;
 
 using Conditions = std::vector<control::OutputConditions>;
 
@@ -444,7 +399,7 @@ int main(int argc, char** argv) {
        {MLE_CONFIG_DIR "/wood_berry.json", MLE_CONFIG_DIR "/splitter.json",
         MLE_PLANT_DIR "/vinante_luyben.json", MLE_PLANT_DIR "/wardle_wood.json",
         MLE_PLANT_DIR "/ogunnaike_ray.json"}) {
-    plants.push_back(mle::ReadPlant(name));
+    plants.push_back(mle::benchmarks::ReadTunedPlant(name));
   }
   std::vector<mle::RunScore> scores(runs);
   mle::ParallelFor(runs, /*threads=*/0, [&](int r) {

@@ -46,6 +46,9 @@ std::optional<report::NamedFigure> StepResponseFigure(const Result& result);
 std::optional<report::NamedFigure> ChangedResponseFigure(const Result& result);
 std::optional<report::NamedFigure> ControlFigure(const Result& result);
 
+// The plan of the next move (next_move_text.cc).
+std::optional<report::NamedFigure> NextMoveFigure(const Result& result);
+
 // Records, and predictions in their windows (record_figures.cc).
 report::NamedFigure RecordFigure(const Result& result);
 report::NamedFigure PredictionFigure(const Result& result);

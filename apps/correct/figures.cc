@@ -165,6 +165,7 @@ std::vector<report::NamedFigure> MakeFigures(const Result& result) {
   figures.push_back(PredictionFigure(result));
   add(ChangedResponseFigure(result));
   add(ControlFigure(result));
+  add(NextMoveFigure(result));
   if (HasLossFigure(result)) figures.push_back(LossFigure(result));
   figures.push_back(AutocorrelationFigure(result));
   figures.push_back(CrossCorrelationFigure(result));

@@ -336,6 +336,7 @@ std::string FormatPage(const Result& result, const Figures& figures,
   SetVerdict(result, page);
   AddWarnings(result, page);
   AddChanges(result, figures, page);
+  AddNextMove(result, figures, page);
   if (result.accepted()) AddForTheController(result, page);
   AddControl(result, figures, page);
   AddFilter(result, page);

@@ -179,6 +179,14 @@ std::string FilterAdvice(const Result& result);
 report::Table FilterTable(const Result& result);
 std::string FilterNote(const Result& result);
 
+// The next move (next_move.h).
+
+// What to do first, what it costs, what is known then and when it may begin;
+// or one sentence. Empty where it was not asked for.
+std::vector<std::string> DescribeNextMove(const Result& result);
+// A row for each value of the set points; there is a plan with steps.
+report::Table NextMoveTable(const Result& result);
+
 // The figures of the page, each also a file of its own.
 
 // By their names:
@@ -190,6 +198,7 @@ std::string FilterNote(const Result& result);
 //                      something was corrected
 //   control            a panel for each output: its set point followed with the
 //                      initial and the corrected model in the controller
+//   next_move          a panel for each channel: what is expected of the plan
 //   mismatch_map       what has changed of each pair, and how surely
 //   records            a panel for each channel: samples, bad ones, set points,
 //                      the windows used
@@ -202,10 +211,10 @@ std::string FilterNote(const Result& result);
 std::vector<report::NamedFigure> MakeFigures(const Result& result);
 
 // All names that a figure may have.
-inline constexpr std::array<std::string_view, 9> kFigureNames = {
-    "step_responses",   "changed_responses", "control",
-    "mismatch_map",     "records",           "predictions",
-    "loss_over_lambda", "autocorrelation",   "cross_correlation"};
+inline constexpr std::array<std::string_view, 10> kFigureNames = {
+    "step_responses",  "changed_responses", "control",     "next_move",
+    "mismatch_map",    "records",           "predictions", "loss_over_lambda",
+    "autocorrelation", "cross_correlation"};
 
 // report.html.
 
@@ -215,6 +224,10 @@ void AddControl(const Result& result,
                 const std::vector<report::DrawnFigure>& figures,
                 report::HtmlPage& page);
 void AddFilter(const Result& result, report::HtmlPage& page);
+// On the next move, where it was asked for (next_move_text.cc).
+void AddNextMove(const Result& result,
+                 const std::vector<report::DrawnFigure>& figures,
+                 report::HtmlPage& page);
 
 // With the figures of MakeFigures, drawn, or without any.
 std::string FormatPage(const Result& result,

@@ -42,7 +42,7 @@ std::vector<Option> FileOptions(Request& request) {
        "Only writes this file for --tag_file, with a row for each column of "
        "the records and the channel whose name is nearest, to be checked."},
       {"previous", &request.previous,
-       "Folder of the last run (its --out): the page compares the results."},
+       "Folder of the last run, which the page compares."},
       {"figures", &request.figures,
        "Draws the figures, for the page and as files (SVG; PNG and PDF need "
        "rsvg-convert)."},
@@ -117,8 +117,9 @@ void AddOptions(Request& request, OptionTable& table) {
   period.range = kNotNegative;
   table.Add("The controller as it is tuned, for the advice",
             std::move(controller));
+  table.Add("The next move", OptionsOf(request.next_move));
   table.PutFirst({"model", "data", "out", "tags", "dry_run", "change_times",
-                  "leave_out", "control_period", "previous", "verbose",
+                  "leave_out", "control_period", "plan", "previous", "verbose",
                   "json"});
 }
 
@@ -134,6 +135,7 @@ absl::Status CompleteForModel(Request& request, OptionTable& table) {
                                 request.import.columns));
   MLE_RETURN_IF_ERROR(ChooseOutputs(request));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));
+  MLE_RETURN_IF_ERROR(CheckNextMove(request.next_move, request.model));
   if (!request.previous.empty()) {
     MLE_ASSIGN_OR_RETURN(request.last,
                          ReadPreviousRun(request.previous, request.model));

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
+#include "apps/correct/next_move.h"
 #include "control/mpc_options.h"
 #include "mle/data/historian.h"
 #include "mle/database/database_options.h"
@@ -59,6 +60,7 @@ struct Request {
   CorrectOptions options;
   // As it is tuned, for the advice.
   control::MpcOptions controller;
+  NextMoveOptions next_move;
   std::string previous;  // folder of the last run; empty: none
   bool dry_run = false;
   bool verbose = false;

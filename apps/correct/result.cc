@@ -167,6 +167,9 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   });
   result.tuning = std::move(tuning);
   result.loops = std::move(loops);
+  if (request.next_move.wanted) {
+    MLE_ASSIGN_OR_RETURN(result.next_move, PlanNextMove(result));
+  }
   return result;
 }
 

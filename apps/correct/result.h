@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/correct/data_sources.h"
+#include "apps/correct/next_move.h"
 #include "apps/correct/request.h"
 #include "mle/data/record.h"
 #include "mle/maintain/correct.h"
@@ -80,6 +81,7 @@ struct Result : CorrectionResult {
   absl::StatusOr<LoopComparison> loops;
   // Or why it is not computed.
   absl::StatusOr<FilterOperation> filter_operation;
+  std::optional<NextMove> next_move;  // where it is asked for
 
   int exit_code() const;
 };

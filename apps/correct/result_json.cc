@@ -325,6 +325,7 @@ void AddFindings(const Result& result, Json& json) {
   }
   json["noise"] = std::move(noise);
   if (!result.filters.empty()) json["filter"] = FilterJson(result);
+  if (result.next_move.has_value()) json["plan"] = NextMoveJson(result);
   const EstimateFit& fit = result.estimate.fit;
   if (fit.arx.has_value()) {
     json["lambda_star"] = fit.arx->selection().lambda_star(0);

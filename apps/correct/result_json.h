@@ -22,6 +22,9 @@ nlohmann::ordered_json ChannelsJson(const Result& result);
 // The filter of each output (disturbance_filter.cc).
 nlohmann::ordered_json FilterJson(const Result& result);
 
+// The next move, where it was asked for (next_move_text.cc).
+nlohmann::ordered_json NextMoveJson(const Result& result);
+
 // Decision, test, elements, distances, noise.
 void AddFindings(const Result& result, nlohmann::ordered_json& json);
 // Windows, validation, residuals, certificate, advice, warnings.

@@ -59,6 +59,7 @@ enum Substream : std::uint32_t {
   kSetPointTimes = 100,
   kSetPointSizes = 101,
   kSlowDisturbance = 102,
+  kPlanPlants = 103,
   kArmaNoise = 1000,       // + the output
   kSensorNoise = 1500,     // + the output
   kInputLoad = 2000,       // + the input

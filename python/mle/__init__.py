@@ -50,6 +50,7 @@ from .interop import (
 from .lifecycles import LifecycleResult, lifecycle, lifecycle_options
 from .model import DisturbanceModel, from_fopdt, from_step_responses, from_transfer_functions
 from .mpc import Mpc
+from .next_move import NextMove
 from .records import read_records, to_dataframe
 from .simulation import simulate, simulate_options
 from .trial import Trial
@@ -71,6 +72,7 @@ __all__ = [
     "Message",
     "MissingFileError",
     "Mpc",
+    "NextMove",
     "NotUsableError",
     "Plant",
     "ProcessModel",

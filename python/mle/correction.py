@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, NamedTuple, Optiona
 from . import _mle
 from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
 from .model import KINDS, ModelLike, given_model, read_model
+from .next_move import NextMove
 from .options import help_on, option_texts, takes_keywords
 from .records import source_of
 
@@ -184,6 +185,12 @@ class CorrectionResult:
 
         rows = [_filter_row(row) for row in self.to_dict().get("filter", [])]
         return pd.DataFrame(rows, columns=_FILTER_COLUMNS).set_index("output")
+
+    @property
+    def plan(self) -> Optional[NextMove]:
+        """The next move, where ``plan=True`` asked for it; else None."""
+        plan = self.to_dict().get("plan")
+        return None if plan is None else NextMove(plan)
 
     def summary(self) -> str:
         """What the command prints with --verbose: verdict, what it rests on, tables of

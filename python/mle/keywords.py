@@ -102,6 +102,17 @@ class CorrectOptions(ReadOptions, total=False):
     output_weight: Numbers
     move_weight: Numbers
     disturbance_variance_ratio: Numbers
+    plan: bool
+    plan_error: Numbers
+    plan_longest: Any
+    plan_quiet: Numbers
+    plan_set_points: Any
+    plan_min_output: Any
+    plan_max_output: Any
+    plan_min_input: Any
+    plan_max_input: Any
+    plan_price_squared: Any
+    plan_price_absolute: Any
 
 
 class SimulateOptions(MpcOptions, total=False):

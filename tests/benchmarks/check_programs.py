@@ -32,6 +32,7 @@ def check_problems(folder):
         assert "200 samples every" in run("import_benchmark", "200", form, f"{folder}/rows.csv")
     assert "variance in operation" in run("filter_benchmark", "1", "1", "300")
     assert "right corrections:" in run("trial_benchmark", "tuning", "2", "2")
+    assert "GBN, same set points" in run("plan_benchmark", "2", "1", "1", "1")
     assert "certified gap" in run("scale_benchmark", "2", "2", "300", "5", "1", "5")
 
 

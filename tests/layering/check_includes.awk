@@ -18,7 +18,8 @@ BEGIN {
   correction = exchange " mle/correction"
   explain = nonlinear " mle/explain"
   filter = nonlinear " mle/filter"
-  all_of_mle = correction " mle/database mle/explain mle/filter mle/maintain"
+  plan = filter " mle/plan"
+  all_of_mle = correction " mle/database mle/explain mle/filter mle/plan mle/maintain"
 
   allowed["mle/base"] = base
   allowed["mle/model"] = model
@@ -30,6 +31,7 @@ BEGIN {
   allowed["mle/correction"] = correction
   allowed["mle/explain"] = explain
   allowed["mle/filter"] = filter
+  allowed["mle/plan"] = plan
   allowed["mle/maintain"] = all_of_mle
   all_of_mle = all_of_mle " mle/monitor"
   allowed["mle/monitor"] = all_of_mle

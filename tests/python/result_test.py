@@ -82,6 +82,22 @@ def test_filters_of_disturbances(result, loop):
     assert without.state_space.disturbance_model is None
 
 
+def test_the_next_move(loop):
+    model, _, record = loop
+    kept = mle.correct(model, record, **FAST)
+    assert kept.plan is None
+    move = mle.correct(model, record, plan=True, plan_error=0.0005, **FAST).plan
+    assert move.state in ("found", "out_of_reach") and move.cost > 0.0
+    assert move.steps.index[0] == 0.0 and move.steps.index[-1] == move.duration
+    assert (move.gains["after"] < move.gains["before"]).all()
+    assert (move.channels["band_high"] <= move.channels["limits_high"] + 1e-9).all()
+    assert "set point of level" in str(move) or "limit" in move.hindrance
+    known = mle.correct(model, record, plan=True, plan_error=0.9, **FAST).plan
+    assert known.state == "nothing_needed" and known.steps.empty and known.cost == 0.0
+    with pytest.raises(mle.InvalidInputError, match="plan_longest"):
+        mle.correct(model, record, plan=True, plan_longest=0, **FAST)
+
+
 def test_page_and_files(result, tmp_path):
     result.report(tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text()
