@@ -80,7 +80,7 @@ using PlannedLoop = std::function<absl::StatusOr<Record>(
     const ProcessModel& plant, const Eigen::MatrixXd& set_points)>;
 
 // Whether a record that begins at rest is at rest again at its end: less than a
-// twentieth of each output's largest deviation is left, where the set points
+// fiftieth of each output's largest deviation is left, where the set points
 // are back. For loops, of which others do not hold their plant.
 bool ComesToRest(const Record& record);
 
@@ -126,7 +126,7 @@ struct PlanOptions {
   // Standard deviation > 0 of what ageing does to a parameter (in the same
   // units as errors), for the plants that are drawn.
   double ageing = 0.25;
-  int draws = 200;          // ≥ 10
+  int draws = 300;          // ≥ 10
   double deviations = 5.0;  // kept from limits, ≥ 0
   std::uint64_t seed = 1;
   int threads = 0;  // 0: one for each processor

@@ -31,7 +31,7 @@ VectorXd DrawChange(const Eigen::LLT<MatrixXd>& information,
 
 bool ComesToRest(const Record& record) {
   if (!record.set_points.rightCols(1).isZero(0.0)) return true;
-  constexpr double kLeft = 0.05;
+  constexpr double kLeft = 0.02;
   const VectorXd end = record.outputs.rightCols(1).cwiseAbs();
   const VectorXd most = record.outputs.cwiseAbs().rowwise().maxCoeff();
   return (end.array() <= kLeft * most.array()).all();
