@@ -42,8 +42,7 @@ constexpr double kWithoutSetPoints = 2.0;
 // The evidence of one hypothesis, which is not the best of a table: 5 %.
 constexpr double kExpected = 3.0;
 // By which errors held out have to fall at every horizon for a fit of all
-// elements at once: where nothing won, and in place of what won, which is few
-// changes. Where nothing is answered any fall is enough.
+// elements at once, and in place of fewer changes that won.
 constexpr double kFarBetter = 0.7;
 constexpr double kHalf = 0.5;
 // The share of a sample by which means of what lies between samples shift it,
@@ -405,16 +404,19 @@ void OutputCompetition::TakeForClock() {
 void OutputCompetition::FitTogether() {
   const bool answered = feedback_p_value_.has_value() && !OpenLoop();
   if (answered || (OpenLoop() && !(energy_ > kMuchLeft * chance_))) return;
-  const double factor = OpenLoop() ? 1.0 : taken_.empty() ? kFarBetter : kHalf;
+  // Where nothing is answered any fall is enough.
+  const double enough = OpenLoop() ? 1.0 : kFarBetter;
   const SeveralSteps several_steps(output_, instruments_);
   for (const bool second_lags : {true, false}) {
     SeveralStepsFit fit =
-        several_steps.Best(second_lags, factor * factor * Squares(held_out_));
+        several_steps.Best(second_lags, enough * enough * Squares(held_out_));
     const double energy = Energy(fit.explanations);
     const Chance chance = ChanceOf({fit.explanations}, directions_);
     const double evidence = EvidenceOf(energy_ - energy, chance.unit);
+    const bool more = !OpenLoop() && !taken_.empty() &&
+                      fit.explanations.size() > taken_.size();
     if (!(evidence > std::min(kExpected, options_.evidence)) ||
-        !AllFall(fit.held_out, held_out_, factor)) {
+        !AllFall(fit.held_out, held_out_, more ? kHalf : enough)) {
       continue;
     }
     together_ = true;
