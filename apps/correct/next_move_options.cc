@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "apps/correct/next_move.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
@@ -68,8 +69,8 @@ absl::Status CheckNextMove(const NextMoveOptions& move,
   for (const std::string& name : move.set_points) {
     if (std::count(names.begin(), names.end(), name) > 0) continue;
     return RefuseOption("plan_set_points", name,
-                        absl::StrCat("the model has no such output; ",
-                                     DidYouMean(name, names)));
+                        absl::StrCat("the model has no such output; it has ",
+                                     absl::StrJoin(names, ", ")));
   }
   const bool priced =
       move.squared_price.size() > 0 || move.absolute_price.size() > 0;
