@@ -1,12 +1,19 @@
 // mle_convert: a model from one form to another, with the error.
 
 #include <iostream>
+#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
+#include "apps/common/option_values.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/exchange/model_conversion.h"
@@ -30,6 +37,7 @@ constexpr double kExact = 1e-9;
 
 struct Request {
   std::string model;
+  std::string at;
   std::string out;
   std::string form;
   ModelConversion conversion;
@@ -49,6 +57,11 @@ void AddOptions(Request& request, OptionTable& table) {
       {{"form", &request.form,
         "transfer_functions, element_table, step_responses, "
         "discrete_transfer_functions or state_space; empty: that of --model."},
+       {"at", &request.at,
+        "Of a model with transforms, the linear model at an operating point: "
+        "CHANNEL:VALUE,…; channels that are not named are where their "
+        "transform has the slope 1. Empty: transforms stay, in forms that have "
+        "them."},
        {"interval", &to.interval,
         "Interval of step responses, sample time of discrete forms; 0: that of "
         "the model, if it has one, else a sixtieth of the settling time.",
@@ -89,6 +102,99 @@ absl::Status Complete(Request& request, const ModelFile& file) {
   return InvalidArgument("--", status.message());
 }
 
+// CHANNEL:VALUE,…; the operating points of the other transforms.
+absl::StatusOr<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ReadPoint(
+    const std::string& text, const ProcessModel& model) {
+  std::pair<Eigen::VectorXd, Eigen::VectorXd> point = {
+      Eigen::VectorXd::Zero(model.num_inputs()),
+      Eigen::VectorXd::Zero(model.num_outputs())};
+  std::map<std::string, double*> values;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    point.first[j] = model.inputs()[j].transform.at;
+    values[model.inputs()[j].name] = &point.first[j];
+  }
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    point.second[i] = model.outputs()[i].transform.at;
+    values[model.outputs()[i].name] = &point.second[i];
+  }
+  for (const std::string& part : ParseList(text)) {
+    const std::size_t colon = part.rfind(':');
+    const std::string name = part.substr(0, colon);
+    double value = 0.0;
+    if (colon == std::string::npos ||
+        !absl::SimpleAtod(part.substr(colon + 1), &value)) {
+      return RefuseOption("at", part, "is not of the form CHANNEL:VALUE");
+    }
+    const auto found = values.find(name);
+    if (found == values.end()) {
+      std::vector<std::string> names;
+      for (const auto& [one, place] : values) names.push_back(one);
+      return RefuseOption("at", part,
+                          absl::StrCat("there is no channel '", name, "'; ",
+                                       DidYouMean(name, names), "choose from ",
+                                       absl::StrJoin(names, ", ")));
+    }
+    *found->second = value;
+  }
+  return point;
+}
+
+// The model that is converted: at a point, or where the form has no transforms.
+absl::StatusOr<ModelFile> LinearFile(const Request& request, ModelFile file) {
+  const ModelConversion& to = request.conversion;
+  const bool lost =
+      to.form == ModelForm::kStateSpace || to.type == ModelFileType::kMat;
+  if (!HasTransforms(file.process)) {
+    if (request.at.empty()) return file;
+    return RefuseOption("at", request.at,
+                        "the model has no transforms: it is the same at every "
+                        "operating point");
+  }
+  if (request.at.empty() && !lost) return file;
+  MLE_ASSIGN_OR_RETURN(const auto point, ReadPoint(request.at, file.process));
+  absl::StatusOr<ProcessModel> linear =
+      LinearAt(file.process, point.first, point.second);
+  if (!linear.ok()) {
+    return RefuseOption("at", request.at,
+                        std::string(linear.status().message()));
+  }
+  ModelFile changed;
+  changed.type = file.type;
+  changed.process = *std::move(linear);
+  return changed;
+}
+
+// What a linear model lacks: how far gains are others elsewhere.
+void PrintRange(const ProcessModel& model) {
+  const auto print = [](const std::string& name, const Transform& transform,
+                        bool is_output) {
+    if (transform.IsNone()) return;
+    double low = transform.low;
+    double high = transform.high;
+    if (!transform.points.empty()) {
+      low = transform.points.front().first;
+      high = transform.points.back().first;
+    } else if (!(high > low)) {
+      low = 0.5 * transform.at;
+      high = 1.5 * transform.at;
+    }
+    const auto gain = [&](double value) {
+      const double slope = transform.Slope(value);
+      return is_output ? 1.0 / slope : slope;
+    };
+    std::cout << absl::StrFormat(
+        "note: a linear model at one point: relative to %s = %.4g its gains "
+        "are × %.3g at %.4g and × %.3g at %.4g\n",
+        name, transform.at, gain(low), low, gain(high), high);
+  };
+  for (const InputChannel& input : model.inputs()) {
+    print(input.name, input.transform, false);
+  }
+  for (const OutputChannel& output : model.outputs()) {
+    print(output.name, output.transform, true);
+  }
+}
+
 void Print(const Request& request, const ModelFile& file,
            const ConvertedModel& converted) {
   for (const std::string& difference : NotableDifferences(file)) {
@@ -122,14 +228,18 @@ absl::StatusOr<int> Run(Request& request, OptionTable& /*table*/) {
     return absl::InvalidArgumentError(
         "--model=FILE and --out=FILE must be given (see --help)");
   }
-  MLE_ASSIGN_OR_RETURN(const ModelFile file,
+  MLE_ASSIGN_OR_RETURN(ModelFile given,
                        AboutOption("model", ReadModelFile(request.model)));
-  MLE_RETURN_IF_ERROR(Complete(request, file));
+  MLE_RETURN_IF_ERROR(Complete(request, given));
+  const ProcessModel whole = given.process;
+  MLE_ASSIGN_OR_RETURN(const ModelFile file,
+                       LinearFile(request, std::move(given)));
   MLE_ASSIGN_OR_RETURN(const ConvertedModel converted,
                        ConvertModel(file, request.conversion));
   MLE_RETURN_IF_ERROR(
       AboutOption("out", WriteFileAtomically(request.out, converted.text)));
   Print(request, file, converted);
+  if (!HasTransforms(file.process)) PrintRange(whole);
   return kExitDone;
 }
 

@@ -52,6 +52,8 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
       set_points_(VectorXd::Zero(Eigen::Index{model_.num_outputs} *
                                  options_.prediction_horizon)),
       predicted_(VectorXd::Zero(model_.num_outputs)),
+      measured_(predicted_),
+      wanted_(predicted_),
       free_outputs_(set_points_),
       error_(set_points_) {}
 
@@ -92,33 +94,54 @@ absl::StatusOr<Mpc> Mpc::Create(const ProcessModel& model,
       options.Validate(model.num_outputs(), model.num_inputs()));
   MLE_ASSIGN_OR_RETURN(PredictionModel prediction,
                        PredictFromProcess(model, options.control_period));
-  return CreateAtRest(std::move(prediction), options);
+  EngineeringVariables variables(model);
+  if (!variables.has_transforms()) {
+    return CreateAtRest(std::move(prediction), options);
+  }
+  MpcOptions linear = options;
+  MLE_ASSIGN_OR_RETURN(linear.limits, variables.LinearLimits(options.limits));
+  MLE_ASSIGN_OR_RETURN(Mpc mpc, CreateAtRest(std::move(prediction), linear));
+  mpc.variables_ = std::move(variables);
+  const VectorXd outputs = mpc.variables_.OperatingOutputs();
+  mpc.Restart(mpc.variables_.OperatingInputs(), outputs);
+  for (Eigen::Index row = 0; row < mpc.set_points_.size();
+       row += outputs.size()) {
+    mpc.set_points_.segment(row, outputs.size()) = outputs;
+  }
+  return mpc;
 }
 
 VectorXd Mpc::PredictedOutputs() const {
-  return free_response_.At(0) + observer_.disturbance();
+  VectorXd outputs = free_response_.At(0) + observer_.disturbance();
+  variables_.Outputs(outputs);
+  return outputs;
 }
 
 void Mpc::Restart(const Eigen::Ref<const VectorXd>& inputs,
                   const Eigen::Ref<const VectorXd>& outputs) {
   CHECK_EQ(inputs.size(), model_.num_inputs());
   CHECK_EQ(outputs.size(), model_.num_outputs);
-  inputs_ = inputs(manipulated_);
-  disturbance_inputs_ = inputs(disturbances_);
-  history_.colwise() = inputs;
+  VectorXd linear = inputs;
+  variables_.LinearInputs(linear);
+  inputs_ = linear(manipulated_);
+  disturbance_inputs_ = linear(disturbances_);
+  history_.colwise() = linear;
   RebuildFreeResponse();
   // The outputs are at rest: what the inputs do not balance, a load does.
-  observer_.Restart(outputs - free_response_.At(0), -free_response_.ramp());
+  measured_ = outputs;
+  variables_.LinearOutputs(measured_);
+  observer_.Restart(measured_ - free_response_.At(0), -free_response_.ramp());
 }
 
 void Mpc::MeasureDisturbances(const Eigen::Ref<const VectorXd>& disturbances) {
   CHECK_EQ(disturbances.size(), disturbance_inputs_.size());
   for (Eigen::Index j = 0; j < disturbances.size(); ++j) {
-    if (!std::isfinite(disturbances[j])) continue;
-    free_response_.Move(disturbances_[j],
-                        disturbances[j] - disturbance_inputs_[j]);
-    disturbance_inputs_[j] = disturbances[j];
-    history_(disturbances_[j], newest_) = disturbances[j];
+    const double value =
+        variables_.LinearInput(disturbances_[j], disturbances[j]);
+    if (!std::isfinite(value)) continue;
+    free_response_.Move(disturbances_[j], value - disturbance_inputs_[j]);
+    disturbance_inputs_[j] = value;
+    history_(disturbances_[j], newest_) = value;
   }
 }
 
@@ -127,8 +150,10 @@ void Mpc::Step(const Eigen::Ref<const VectorXd>& measured_outputs,
                Eigen::Ref<VectorXd> next_inputs) {
   const int p = model_.num_outputs;
   CHECK_EQ(set_points.size(), p);
+  wanted_ = set_points;
+  variables_.LinearOutputs(wanted_);
   for (int i = 0; i < p; ++i) {
-    if (std::isfinite(set_points[i])) set_points_[i] = set_points[i];
+    if (std::isfinite(wanted_[i])) set_points_[i] = wanted_[i];
   }
   for (Eigen::Index row = p; row < set_points_.size(); row += p) {
     set_points_.segment(row, p) = set_points_.head(p);
@@ -143,8 +168,10 @@ void Mpc::StepWithPreview(const Eigen::Ref<const VectorXd>& measured_outputs,
   CHECK_EQ(set_points.rows(), p);
   CHECK_EQ(set_points.cols(), options_.prediction_horizon);
   for (int i = 0; i < options_.prediction_horizon; ++i) {
+    wanted_ = set_points.col(i);
+    variables_.LinearOutputs(wanted_);
     for (int out = 0; out < p; ++out) {
-      const double value = set_points(out, i);
+      const double value = wanted_[out];
       // A missing set point is the one before it: in this plan, or in the last.
       const double before = set_points_[i == 0 ? out : (i - 1) * p + out];
       set_points_[i * p + out] = std::isfinite(value) ? value : before;
@@ -160,7 +187,9 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
   CHECK_EQ(next_inputs.size(), model_.num_inputs());
 
   predicted_ = free_response_.At(0);
-  observer_.Update(measured_outputs, predicted_);
+  measured_ = measured_outputs;
+  variables_.LinearOutputs(measured_);
+  observer_.Update(measured_, predicted_);
   for (int i = 0; i < options_.prediction_horizon; ++i) {
     auto outputs = free_outputs_.segment(Eigen::Index{p} * i, p);
     outputs = free_response_.At(i + 1);
@@ -183,6 +212,8 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
     next_inputs[input] = planned[j];
     history_(input, newest_) = planned[j];
   }
+  variables_.Inputs(next_inputs);
+  for (const int input : disturbances_) next_inputs[input] = 0.0;
   observer_.Advance();
 }
 
@@ -225,6 +256,7 @@ absl::Status Mpc::ExchangeModel(const PredictionModel& model,
     next.history_.col(next_depth - 1 - age) =
         history_.col((newest_ + depth - known) % depth);
   }
+  next.variables_ = variables_;
   next.inputs_ = inputs_;
   next.disturbance_inputs_ = disturbance_inputs_;
   const int p = model_.num_outputs;
@@ -233,7 +265,8 @@ absl::Status Mpc::ExchangeModel(const PredictionModel& model,
   }
   next.RebuildFreeResponse();
   next.observer_.Restart(
-      PredictedOutputs() - next.free_response_.At(0),
+      free_response_.At(0) + observer_.disturbance() -
+          next.free_response_.At(0),
       observer_.slope() + free_response_.ramp() - next.free_response_.ramp());
   *this = std::move(next);
   return absl::OkStatus();

@@ -25,6 +25,10 @@
 // "disturbance" are not the controller's: it returns zero for them and moves
 // the m_c others.
 //
+// Of a process model with transforms (mle/model/transform.h) all of this is
+// done in the variables in which it is linear; measurements, set points, inputs
+// and limits are engineering values, weights those at the operating point.
+//
 // Measurements, set points and disturbances that are not finite are taken as
 // missing: the last ones hold.
 
@@ -37,6 +41,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "control/disturbance_observer.h"
+#include "control/engineering_variables.h"
 #include "control/free_response.h"
 #include "control/move_planner.h"
 #include "control/mpc_options.h"
@@ -47,7 +52,8 @@ namespace mle::control {
 
 class Mpc {
  public:
-  // At rest: all past inputs zero, no disturbance observed.
+  // At rest: all past inputs zero, those with a transform at its operating
+  // point, no disturbance observed.
   //
   // InvalidArgument for an invalid model or option, a model of another control
   // period, without a manipulated input, or that settles so slowly that its
@@ -98,8 +104,9 @@ class Mpc {
   // outputs that of slopes too, so that the predicted outputs of the coming
   // instant stay: a loop at rest at its set point remains at rest.
   //
-  // InvalidArgument, and nothing changed, for what Create() refuses and for
-  // other numbers or roles of inputs and outputs, or another control period.
+  // The transforms of channels stay. InvalidArgument, and nothing changed, for
+  // what Create() refuses and for other numbers or roles of inputs and outputs,
+  // or another control period.
   absl::Status ExchangeModel(const PredictionModel& model,
                              const MpcOptions& options);
 
@@ -113,6 +120,7 @@ class Mpc {
   void HoldLastSetPoints();
   void RebuildFreeResponse();
 
+  EngineeringVariables variables_;
   PredictionModel model_;  // reaching at least to H_p
   MpcOptions options_;
   MovePlanner planner_;
@@ -129,6 +137,8 @@ class Mpc {
 
   Eigen::VectorXd set_points_;  // the last finite ones, of each instant: p H_p
   Eigen::VectorXd predicted_;   // of the measured outputs (p)
+  Eigen::VectorXd measured_;    // these (p)
+  Eigen::VectorXd wanted_;      // set points of an instant (p)
   Eigen::VectorXd free_outputs_;  // p H_p
   Eigen::VectorXd error_;         // p H_p
   PlanSummary last_plan_;

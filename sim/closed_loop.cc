@@ -293,6 +293,11 @@ absl::StatusOr<Record> SimulateClosedLoop(const ProcessModel& plant_model,
                                           const ClosedLoopOptions& options,
                                           const PlantConditions& conditions) {
   MLE_RETURN_IF_ERROR(options.Validate());
+  if (HasTransforms(plant_model)) {
+    return absl::InvalidArgumentError(
+        "a channel of the plant has a transform, which this simulation does "
+        "not have (TransformedPlant has)");
+  }
   MLE_ASSIGN_OR_RETURN(
       Plant plant,
       Plant::Create(plant_model, {.sample_time = options.sample_time}));

@@ -46,6 +46,9 @@ std::optional<report::NamedFigure> StepResponseFigure(const Result& result);
 std::optional<report::NamedFigure> ChangedResponseFigure(const Result& result);
 std::optional<report::NamedFigure> ControlFigure(const Result& result);
 
+// How gains follow positions and levels, where the records showed it.
+std::optional<report::NamedFigure> CurveFigure(const Result& result);
+
 // The plan of the next move (next_move_text.cc).
 std::optional<report::NamedFigure> NextMoveFigure(const Result& result);
 

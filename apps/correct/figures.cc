@@ -164,6 +164,7 @@ std::vector<report::NamedFigure> MakeFigures(const Result& result) {
   figures.push_back(RecordFigure(result));
   figures.push_back(PredictionFigure(result));
   add(ChangedResponseFigure(result));
+  add(CurveFigure(result));
   add(ControlFigure(result));
   add(NextMoveFigure(result));
   if (HasLossFigure(result)) figures.push_back(LossFigure(result));

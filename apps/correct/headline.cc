@@ -184,6 +184,12 @@ std::string Headline(const Result& result) {
       break;
   }
   const std::vector<ElementChange> changes = ElementChanges(result);
+  if (!result.curves.empty()) {
+    const std::string curve =
+        DescribeCurve(result.initial, result.curves.front());
+    return changes.empty() ? curve
+                           : absl::StrCat(curve, "; also: ", changes[0].text);
+  }
   if (changes.empty()) return "The model has changed";
   if (changes.size() == 1) return changes[0].text;
   return absl::StrCat(changes[0].text, "; also ", OtherPairs(result, changes),

@@ -167,6 +167,7 @@ void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
   if (many) page.OpenFold("Measured and simulated outputs");
   AddFigure(figures, "predictions", page);
   if (many) page.CloseFold();
+  AddFigure(figures, "curves", page);
   AddFigure(figures, "changed_responses", page);
   if (HasFigure(figures, "step_responses")) {
     page.OpenFold("Step responses of all pairs");

@@ -13,6 +13,7 @@
 #include "apps/correct/report.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
+#include "mle/data/linearise.h"
 
 namespace mle::correct {
 namespace {
@@ -126,6 +127,14 @@ std::optional<report::DateScale> DateScaleOf(const RecordData& data,
   return dates;
 }
 
+// Values of a channel as people know them.
+Eigen::RowVectorXd Engineering(const Transform& transform,
+                               Eigen::RowVectorXd values) {
+  if (transform.IsNone()) return values;
+  for (double& value : values) value = transform.Engineering(value);
+  return values;
+}
+
 std::string UnitOr(const std::string& unit, const char* otherwise) {
   return unit.empty() ? otherwise : unit;
 }
@@ -135,8 +144,12 @@ std::string UnitOr(const std::string& unit, const char* otherwise) {
 report::NamedFigure RecordFigure(const Result& result) {
   const ProcessModel& model = result.initial;
   const RecordData& data = result.data;
+  std::vector<Record> shown = data.records;
   std::vector<const Record*> records;
-  for (const Record& record : data.records) records.push_back(&record);
+  for (Record& record : shown) {
+    Delinearise(model, record);
+    records.push_back(&record);
+  }
   const Strip strip = MakeStrip(std::move(records));
   const int channels = model.num_outputs() + model.num_inputs();
   report::NamedFigure named = NewFigure(
@@ -206,10 +219,11 @@ report::NamedFigure PredictionFigure(const Result& result) {
   for (int i = 0; i < model.num_outputs(); ++i) {
     Panel& panel = named.figure.AddPanel(model.outputs()[i].name);
     panel.y.label = UnitOr(model.outputs()[i].unit, "measured");
+    const Transform& transform = model.outputs()[i].transform;
     AddCurve(Role::kMeasured, "recorded", strip.time,
              Join(strip,
-                  [i](const Record& piece) -> Eigen::RowVectorXd {
-                    return piece.outputs.row(i);
+                  [&](const Record& piece) -> Eigen::RowVectorXd {
+                    return Engineering(transform, piece.outputs.row(i));
                   }),
              panel);
     const auto add = [&](Role role, const char* label,
@@ -218,11 +232,16 @@ report::NamedFigure PredictionFigure(const Result& result) {
       AddCurve(role, label, strip.time,
                Join(strip,
                     [&](const Record& piece) -> Eigen::RowVectorXd {
-                      return piece.outputs.row(i) - predictor(piece, 0).row(i);
+                      return Engineering(
+                          transform,
+                          piece.outputs.row(i) - predictor(piece, 0).row(i));
                     }),
                panel);
     };
-    add(Role::kInitial, "controller's model", fit.initial);
+    add(Role::kInitial,
+        result.curves.empty() ? "controller's model"
+                              : "controller's model, with the curve",
+        fit.initial);
     if (result.accepted()) add(Role::kCorrected, "corrected", fit.corrected);
     for (std::size_t n = 1; n < strip.starts.size(); ++n) {
       panel.lines.push_back(

@@ -196,6 +196,8 @@ report::Table NextMoveTable(const Result& result);
 //                      true where it is known
 //   changed_responses  the same of the pairs that have changed most; only where
 //                      something was corrected
+//   curves             how gains follow positions and levels; only where the
+//                      records showed it
 //   control            a panel for each output: its set point followed with the
 //                      initial and the corrected model in the controller
 //   next_move          a panel for each channel: what is expected of the plan
@@ -211,10 +213,10 @@ report::Table NextMoveTable(const Result& result);
 std::vector<report::NamedFigure> MakeFigures(const Result& result);
 
 // All names that a figure may have.
-inline constexpr std::array<std::string_view, 10> kFigureNames = {
-    "step_responses",  "changed_responses", "control",     "next_move",
-    "mismatch_map",    "records",           "predictions", "loss_over_lambda",
-    "autocorrelation", "cross_correlation"};
+inline constexpr std::array<std::string_view, 11> kFigureNames = {
+    "step_responses",   "changed_responses", "curves",           "control",
+    "next_move",        "mismatch_map",      "records",          "predictions",
+    "loss_over_lambda", "autocorrelation",   "cross_correlation"};
 
 // report.html.
 

@@ -115,6 +115,48 @@ std::vector<const LoopStep*> MostChanged(const std::vector<LoopStep>& steps) {
 
 }  // namespace
 
+std::optional<NamedFigure> CurveFigure(const Result& result) {
+  constexpr int kPoints = 81;
+  if (result.curves.empty()) return std::nullopt;
+  const int columns = ColumnsFor(result.curves.size());
+  NamedFigure named = NewFigure(
+      "curves",
+      "Gains over the values that the records visited, relative to where they "
+      "began, with 95 % bands. Beyond these values the curve is a guess.",
+      RowsFor(result.curves.size(), columns), columns, 4.6);
+  for (const FoundCurve& curve : result.curves) {
+    const ProcessModel& model = result.initial;
+    const int c = curve.channel;
+    const std::string& name =
+        curve.is_output ? model.outputs()[c].name : model.inputs()[c].name;
+    const std::string& unit =
+        curve.is_output ? model.outputs()[c].unit : model.inputs()[c].unit;
+    Panel& panel = named.figure.AddPanel(name);
+    panel.x.label = unit.empty() || unit == "-"
+                        ? name
+                        : absl::StrCat(name, " (", unit, ")");
+    panel.y.label = "gain, relative";
+    const std::vector<double> values =
+        Times(curve.low, (curve.high - curve.low) / (kPoints - 1.0), kPoints);
+    std::vector<double> gains;
+    std::vector<double> lower;
+    std::vector<double> upper;
+    for (const double value : values) {
+      const FoundCurve::Gain gain = curve.GainAt(value);
+      gains.push_back(gain.value);
+      lower.push_back(gain.lower);
+      upper.push_back(gain.upper);
+    }
+    Series& corrected =
+        AddCurve(Role::kCorrected, "corrected", values, gains, panel);
+    corrected.lower = std::move(lower);
+    corrected.upper = std::move(upper);
+    AddCurve(Role::kInitial, "controller's model", values,
+             std::vector<double>(values.size(), 1.0), panel);
+  }
+  return named;
+}
+
 std::optional<NamedFigure> StepResponseFigure(const Result& result) {
   std::vector<PairPlace> pairs;
   for (const auto& [i, j] : Pairs(result.initial)) {

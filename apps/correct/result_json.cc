@@ -277,6 +277,35 @@ Json JudgesJson(const Result& result) {
   return json;
 }
 
+// The curves that the records showed, gains relative to where these began.
+Json CurvesJson(const Result& result) {
+  constexpr int kPoints = 11;
+  Json json = Json::array();
+  for (const FoundCurve& curve : result.curves) {
+    const ProcessModel& model = result.initial;
+    Json points = Json::array();
+    for (int k = 0; k < kPoints; ++k) {
+      const double value =
+          curve.low + (curve.high - curve.low) * k / (kPoints - 1.0);
+      const FoundCurve::Gain gain = curve.GainAt(value);
+      points.push_back({{"value", value},
+                        {"gain", gain.value},
+                        {"lower", gain.lower},
+                        {"upper", gain.upper}});
+    }
+    json.push_back(
+        {{"channel", curve.is_output ? model.outputs()[curve.channel].name
+                                     : model.inputs()[curve.channel].name},
+         {"is_output", curve.is_output},
+         {"curvature", curve.curvature},
+         {"standard_error", curve.standard_error},
+         {"at", curve.at},
+         {"text", DescribeCurve(model, curve)},
+         {"gains", std::move(points)}});
+  }
+  return json;
+}
+
 }  // namespace
 
 void AddFindings(const Result& result, Json& json) {
@@ -290,6 +319,7 @@ void AddFindings(const Result& result, Json& json) {
   json["findings"] = FindingsJson(result.findings);
   json["explanations"] = ExplanationsJson(result);
   json["judges"] = JudgesJson(result);
+  if (!result.curves.empty()) json["curves"] = CurvesJson(result);
   json["test_of_no_change"] = {
       {"p_value", calibrated.p_value},
       {"p_value_chi_square", test.p_value},

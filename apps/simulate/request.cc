@@ -11,6 +11,7 @@
 #include "sim/ageing_plant.h"
 #include "sim/continuous_plant.h"
 #include "sim/effects_json.h"
+#include "sim/transformed_plant.h"
 #include "sim/van_de_vusse.h"
 
 namespace mle::simulate {
@@ -161,10 +162,28 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
   return std::make_unique<sim::ContinuousPlant>(std::move(plant));
 }
 
-absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(
-    const Request& request) {
-  if (request.plant == kReactor) return MakeReactor(request);
+// Where a channel is at rest: at the operating point of its transform in the
+// plant or, if it has none there, in the controller's model; 0 without one.
+template <typename Channel>
+Eigen::VectorXd OperatingPoint(const std::vector<Channel>& of_plant,
+                               const std::vector<Channel>& of_model) {
+  Eigen::VectorXd at =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(of_plant.size()));
+  for (std::size_t i = 0; i < of_plant.size(); ++i) {
+    const Transform& transform = of_plant[i].transform;
+    at[static_cast<Eigen::Index>(i)] =
+        transform.IsNone() ? of_model[i].transform.at : transform.at;
+  }
+  return at;
+}
+
+absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(Request& request) {
   ProcessModel plant = request.simulation.model;
+  Simulation& simulation = request.simulation;
+  simulation.operating_inputs = OperatingPoint(plant.inputs(), plant.inputs());
+  simulation.operating_outputs =
+      OperatingPoint(plant.outputs(), plant.outputs());
+  if (request.plant == kReactor) return MakeReactor(request);
   if (request.plant_model.has_value()) {
     MLE_RETURN_IF_ERROR(
         CheckSameChannels(plant, "model", *request.plant_model, "plant"));
@@ -185,7 +204,13 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(
                            plant, ageing,
                            {.sample_time = request.simulation.loop.sample_time,
                             .start_time = request.age}));
-  return std::make_unique<sim::AgeingPlant>(std::move(ageing_plant));
+  auto linear = std::make_unique<sim::AgeingPlant>(std::move(ageing_plant));
+  if (!HasTransforms(plant)) return linear;
+  simulation.operating_inputs =
+      OperatingPoint(plant.inputs(), simulation.model.inputs());
+  simulation.operating_outputs =
+      OperatingPoint(plant.outputs(), simulation.model.outputs());
+  return std::make_unique<sim::TransformedPlant>(std::move(linear), plant);
 }
 
 absl::Status ReadSteps(const Request& request, Simulation& simulation) {

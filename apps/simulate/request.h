@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
@@ -35,6 +36,10 @@ struct Simulation {
   sim::SetPointProfile set_points;
   sim::ClosedLoopOptions loop;
   sim::PlantConditions conditions;
+  // Where channels with a transform are at rest (m, p), 0 of others: what is
+  // simulated are deviations from there, and the record has both together.
+  Eigen::VectorXd operating_inputs;
+  Eigen::VectorXd operating_outputs;
 };
 
 // InvalidArgument for settings that do not fit together, FailedPrecondition for

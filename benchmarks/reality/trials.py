@@ -10,13 +10,15 @@ import subprocess
 import tempfile
 
 import adversary
+import curves
 import hardware
 import mistakes
 import scenarios
 
 COLUMNS = ["kind", "scenario", "plant", "seed", "decision", "exit_code", "E_before", "E_after",
            "largest_change", "inside", "intervals", "worst_fall", "seconds", "codes", "aged",
-           "named", "told", "reason_true", "reason"]
+           "named", "told", "reason_true", "curve_error", "curve_inside", "curve_points",
+           "curves_false", "reason"]
 
 
 class Failed(RuntimeError):
@@ -164,6 +166,7 @@ def run_scenario(arguments, kind, name, plant, seed, scratch):
              trial)
     figures, result = correct(arguments, scratch, scratch / "model.json", scratch / "record.csv",
                               scratch / "truth.json", list(flags_of(trial.correct)))
+    figures.update(curves.judged(trial, result))
     if arguments.group == "adversary":
         figures.update(adversary.judged(trial, result))
     return figures

@@ -205,13 +205,28 @@ std::string CorrectedName(const ModelFile& file) {
   return "";
 }
 
+namespace {
+
+// Transforms are of the channels, whatever form the elements have.
+void TakeTransforms(const ProcessModel& from, ProcessModel& to) {
+  for (int j = 0; j < from.num_inputs(); ++j) {
+    to.set_input_transform(j, from.inputs()[j].transform);
+  }
+  for (int i = 0; i < from.num_outputs(); ++i) {
+    to.set_output_transform(i, from.outputs()[i].transform);
+  }
+}
+
+}  // namespace
+
 absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
                                                const ProcessModel& corrected) {
   FormattedModel formatted;
   formatted.name = CorrectedName(file);
   if (file.form == ModelForm::kElementTable) {
-    const ElementTable changed =
+    ElementTable changed =
         ForTyping(file.elements, WithElements(file.elements, corrected));
+    TakeTransforms(corrected, changed.channels);
     formatted.text = FormatElementTable(changed);
     for (const ElementRow& row : changed.rows) {
       if (row.largest_difference == 0.0) continue;
@@ -223,8 +238,9 @@ absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
     return formatted;
   }
   if (file.form == ModelForm::kDiscreteTransferFunctions) {
-    MLE_ASSIGN_OR_RETURN(const DiscreteModel changed,
+    MLE_ASSIGN_OR_RETURN(DiscreteModel changed,
                          WithChange(file.discrete, file.process, corrected));
+    TakeTransforms(corrected, changed.channels);
     formatted.text = FormatDiscreteModel(changed);
     return formatted;
   }
@@ -234,7 +250,8 @@ absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
     formatted.text = FormatStateSpace(changed);
     return formatted;
   }
-  const StepResponseModel changed = CorrectedStepResponses(file, corrected);
+  StepResponseModel changed = CorrectedStepResponses(file, corrected);
+  TakeTransforms(corrected, changed.channels);
   if (file.type == ModelFileType::kMat) {
     MLE_ASSIGN_OR_RETURN(formatted.text, FormatMat(changed));
   } else if (file.type == ModelFileType::kCsv) {

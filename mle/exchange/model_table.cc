@@ -12,12 +12,14 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/exchange/element_columns.h"
+#include "mle/exchange/transform_line.h"
 
 namespace mle {
 namespace {
 
 constexpr char kKeys[] =
-    "name, time unit, input, output, interval, time to steady state, ramp";
+    "name, time unit, input, output, transform, interval, time to steady "
+    "state, ramp";
 
 char SeparatorOf(std::string_view text) {
   const std::size_t at = text.find_first_of(",;\t\n");
@@ -38,6 +40,7 @@ class ModelTableReader {
   absl::Status CheckUtf8(const TableLine& line) const;
   absl::Status ReadHeadLine(TableLine line);
   absl::Status ReadChannel(const TableLine& line, bool is_input);
+  absl::Status ReadTransform(const TableLine& line);
   absl::Status ReadRow(TableLine line);
   absl::Status Finish() const;
 
@@ -94,12 +97,31 @@ absl::Status ModelTableReader::ReadChannel(const TableLine& line,
   return absl::OkStatus();
 }
 
+absl::Status ModelTableReader::ReadTransform(const TableLine& line) {
+  MLE_ASSIGN_OR_RETURN(Transform transform, ReadTransformLine(table_, line));
+  const auto place = [&](auto& channels) {
+    for (auto& channel : channels) {
+      if (channel.name != line.fields[1]) continue;
+      channel.transform = transform;
+      return true;
+    }
+    return false;
+  };
+  if (place(table_.inputs) || place(table_.outputs)) return absl::OkStatus();
+  return table_.Fault(
+      line.line,
+      absl::StrCat("the transform is of '", ShowCsvText(line.fields[1]),
+                   "', which no line of an input or output above "
+                   "names"));
+}
+
 absl::Status ModelTableReader::ReadHeadLine(TableLine line) {
   line.fields.front() = FoldedKey(line.fields.front());
   const std::string key = line.fields.front();  // the fields may grow
   if (key == "input" || key == "output") {
     return ReadChannel(line, key == "input");
   }
+  if (key == "transform") return ReadTransform(line);
   if (key == "ramp") {
     table_.others.push_back(std::move(line));
     return absl::OkStatus();
@@ -284,6 +306,12 @@ std::string FormatTableHead(const ProcessModel& channels) {
   for (const OutputChannel& output : channels.outputs()) {
     absl::StrAppend(&text, "output,", QuoteCsvField(output.name), ",",
                     QuoteCsvField(output.unit), "\n");
+  }
+  for (const InputChannel& input : channels.inputs()) {
+    text += FormatTransformLine(input.name, input.transform);
+  }
+  for (const OutputChannel& output : channels.outputs()) {
+    text += FormatTransformLine(output.name, output.transform);
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/explain/curve_shapes.h"
 #include "mle/explain/output_competition.h"
 
 namespace mle {
@@ -16,6 +17,9 @@ namespace {
 // One explanation of an input may leave this much more, in units of M, for each
 // parameter that it saves in place of several of its elements.
 constexpr double kParameter = 3.0;
+
+// An output contradicts a curve of an input where its E grows by so many M.
+constexpr double kContradicts = 3.0;
 
 // Whether an explanation of input j, of this kind, takes the place of `one`: of
 // another explanation of the input, or of one of its elements that it looks
@@ -57,6 +61,18 @@ double ValueFor(const Explanation& one, double tau, double other) {
     default:
       return one.value;
   }
+}
+
+// The mean of two estimates of one curve, by their precision.
+void MeanOf(const FoundCurve& one, FoundCurve& other) {
+  const auto weight_of = [](const FoundCurve& curve) {
+    return 1.0 / std::max(curve.standard_error * curve.standard_error, 1e-300);
+  };
+  const double own = weight_of(other);
+  const double more = weight_of(one);
+  other.curvature =
+      (own * other.curvature + more * one.curvature) / (own + more);
+  other.standard_error = 1.0 / std::sqrt(own + more);
 }
 
 using Competitions = std::vector<std::unique_ptr<OutputCompetition>>;
@@ -221,6 +237,7 @@ absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
     competition.competitions_[i] = *std::move(made);
   });
   CompeteTogether(model, competition.competitions_);
+  ChooseShapes(competition.competitions_);
   ParallelFor(p, options.threads, [&](int i) {
     if (competition.competitions_[i] != nullptr) {
       competition.results_[i] = competition.competitions_[i]->Report();
@@ -242,6 +259,56 @@ absl::StatusOr<TransferFunction> Competition::ElementOf(
   const OutputCompetition& competition = *competitions_[output];
   return competition.output().ElementOf(input, values,
                                         competition.Explanations());
+}
+
+std::vector<FoundCurve> Competition::Curves() const {
+  std::vector<FoundCurve> curves;
+  for (std::size_t i = 0; i < competitions_.size(); ++i) {
+    if (competitions_[i] == nullptr) continue;
+    for (const TakenExplanation& one : results_[i].taken) {
+      if (!IsCurve(one.explanation.kind)) continue;
+      const FoundCurve found = competitions_[i]->output().CurveOf(
+          one.explanation, one.standard_error, one.alternatives);
+      const auto same =
+          std::find_if(curves.begin(), curves.end(), [&](const auto& other) {
+            return !found.is_output && !other.is_output &&
+                   other.channel == found.channel;
+          });
+      if (same == curves.end()) {
+        curves.push_back(found);
+      } else {
+        MeanOf(found, *same);
+      }
+    }
+  }
+  std::erase_if(curves, [&](const FoundCurve& curve) {
+    return !curve.is_output && IsContradicted(curve);
+  });
+  return curves;
+}
+
+bool Competition::IsContradicted(const FoundCurve& curve) const {
+  for (const auto& competition : competitions_) {
+    if (competition == nullptr) continue;
+    const ExplainedOutput& output = competition->output();
+    std::vector<Explanation> explanations = competition->Explanations();
+    const Explanation curved = {ExplanationKind::kCurvedInput, curve.channel};
+    const bool shows =
+        std::any_of(explanations.begin(), explanations.end(),
+                    [&](const Explanation& one) { return one.SameAs(curved); });
+    const std::vector<int>& inputs = output.inputs();
+    if (shows || std::find(inputs.begin(), inputs.end(), curve.channel) ==
+                     inputs.end()) {
+      continue;
+    }
+    const double before = competition->Energy(explanations);
+    explanations.push_back(output.InputCurve(curve));
+    if (competition->Energy(explanations) >
+        before + kContradicts * competition->unit()) {
+      return true;
+    }
+  }
+  return false;
 }
 
 double Competition::ClockOf(int output, int input) const {

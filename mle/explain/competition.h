@@ -40,6 +40,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/explain/curves.h"
 #include "mle/explain/explanation.h"
 #include "mle/explain/feedback.h"
 #include "mle/model/element_response.h"
@@ -70,6 +71,8 @@ struct TakenExplanation {
   Explanation explanation;
   double standard_error = 0.0;  // of θ
   double evidence = 0.0;        // when it was taken
+  // Of a curve: those of other shapes that explain as much, within 3 M.
+  std::vector<Explanation> alternatives = {};
 };
 
 // Errors of the model as it was and as it is explained where records were held
@@ -169,6 +172,10 @@ class Competition {
   double ClockOf(int output, int input) const;
   // Covariance (3 × 3) of K, T and L, clocks included.
   Eigen::Matrix3d Covariance(int output, int input) const;
+  // The curves that won, one of each channel: of an input the mean of its
+  // outputs', by their precision; none of an input if another output's E grows
+  // by more than 3 M with it.
+  std::vector<FoundCurve> Curves() const;
   // E of another model's row, and of its difference from the model as it was:
   // what the other would show of itself. The energy of the output, and 0, where
   // it cannot be simulated.
@@ -181,6 +188,7 @@ class Competition {
 
  private:
   Competition() = default;
+  bool IsContradicted(const FoundCurve& curve) const;
   // Of all competitions, wherever this one is moved to.
   std::unique_ptr<const std::vector<Record>> records_;
   std::vector<std::unique_ptr<OutputCompetition>> competitions_;

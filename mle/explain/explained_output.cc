@@ -75,6 +75,7 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   explained.longest_ = std::max(explained.longest_, explained.sample_time_);
   explained.AddNewPaths(model);
   explained.ChooseRows();
+  explained.FindLevels();
   explained.FindMovingSetPoints(model.num_outputs());
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
@@ -105,6 +106,7 @@ void ExplainedOutput::ChooseRows() {
   VectorXd low = VectorXd::Constant(m, 1e300);
   VectorXd high = VectorXd::Constant(m, -1e300);
   distances_ = VectorXd::Zero(m);
+  first_inputs_ = filled_->front().row(0);
   for (int r = 0; r < static_cast<int>(records_->size()); ++r) {
     const Record& record = (*records_)[r];
     const Eigen::MatrixXd& filled = (*filled_)[r];
@@ -132,7 +134,7 @@ void ExplainedOutput::ChooseRows() {
       high[j] = std::max(high[j], filled.col(j).maxCoeff());
       distances_[j] =
           std::max(distances_[j],
-                   (filled.col(j).array() - filled(0, j)).abs().maxCoeff());
+                   (filled.col(j).array() - first_inputs_[j]).abs().maxCoeff());
     }
     for (int first = 0; first + samples_a_row_ <= record.samples();
          first += samples_a_row_) {
@@ -146,6 +148,27 @@ void ExplainedOutput::ChooseRows() {
     }
   }
   ranges_ = (high - low).cwiseMax(0.0);
+}
+
+// The median of what is measured first in each record, for τ/4 or five samples.
+void ExplainedOutput::FindLevels() {
+  const auto most = std::max<std::size_t>(
+      5, static_cast<std::size_t>(0.25 * tau_ / sample_time_));
+  for (const VectorXd& y : outputs_) {
+    std::vector<double> first;
+    for (Index k = 0; k < y.size() && first.size() < most; ++k) {
+      if (std::isfinite(y[k])) first.push_back(y[k]);
+    }
+    double level = first_level_;
+    if (!first.empty()) {
+      const auto middle =
+          first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2);
+      std::nth_element(first.begin(), middle, first.end());
+      level = *middle;
+    }
+    if (levels_.empty()) first_level_ = level;
+    levels_.push_back(level - first_level_);
+  }
 }
 
 void ExplainedOutput::FindMovingSetPoints(int set_points) {
@@ -174,6 +197,7 @@ int ExplainedOutput::PartsOf(ExplanationKind kind) const {
       return kParts;
     case Kind::kNewPath:
       return kPathLags;
+
     case Kind::kLoadWithSetPoints: {
       const int moving = num_moving_set_points();
       return moving < 2 ? moving : moving + 1;

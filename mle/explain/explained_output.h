@@ -20,6 +20,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/explain/curves.h"
 #include "mle/explain/explanation.h"
 #include "mle/explain/response_cache.h"
 #include "mle/model/element_response.h"
@@ -83,6 +84,14 @@ class ExplainedOutput {
   bool IsCurved(const std::vector<Explanation>& explanations) const;
   // The response of a part for a gain of 1, as means of the rows.
   Eigen::VectorXd ResponseOf(const ResponsePart& part) const;
+  // c of a curve, θ in its units.
+  double CurvatureOf(const Explanation& explanation) const;
+  // A curve that was taken, θ with its standard error, and shapes that explain
+  // as much.
+  FoundCurve CurveOf(const Explanation& explanation, double standard_error,
+                     const std::vector<Explanation>& alternatives) const;
+  // A curve of an input as an explanation here.
+  Explanation InputCurve(const FoundCurve& curve) const;
   // e for these explanations (rows).
   Eigen::VectorXd Residual(const std::vector<Explanation>& explanations) const;
   // e for another model of the same channels, its row simulated as it is.
@@ -146,6 +155,7 @@ class ExplainedOutput {
   static absl::StatusOr<TransferFunction> Shaped(const Element& element,
                                                  const Shape& shape);
   void ChooseRows();
+  void FindLevels();
   void FindMovingSetPoints(int set_points);
   // The set point that a load of this part follows, or the mean of all.
   Eigen::VectorXd LoadOf(int part, int record) const;
@@ -171,6 +181,10 @@ class ExplainedOutput {
   std::vector<ResidualRow> rows_;
   std::vector<Eigen::VectorXd> outputs_;  // of each record
   Eigen::VectorXd measured_;              // rows
+  // Where the output began in the first record, and of each record from there.
+  double first_level_ = 0.0;
+  std::vector<double> levels_;
+  Eigen::VectorXd first_inputs_;  // of the first record
   // Inputs without gaps, their ranges, and largest distances from the first.
   std::shared_ptr<const FilledInputs> filled_;
   Eigen::VectorXd ranges_;

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
+#include "mle/explain/curves.h"
 #include "mle/explain/explained_output.h"
 #include "mle/explain/signal_effects.h"
 
@@ -59,8 +60,14 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
     }
   }
   if (key.curve != 0.0) {
-    const double distance = std::max(distances_[input], 1e-300);
-    v.array() += key.curve * v.array().square() / distance;
+    // One curve for all records, from where the first began.
+    const double begin = column[0] - first_inputs_[input];
+    const Explanation curve = {Kind::kCurvedInput, input, key.curve, key.shape};
+    const double c = CurvatureOf(curve);
+    const double level = Bend(mle::ShapeOf(curve), c, begin);
+    for (double& x : v) {
+      x = Bend(mle::ShapeOf(curve), c, begin + x) - level;
+    }
   }
   if (key.load != 0.0) {
     v += key.load * range * LoadOf(key.load_part, record);
@@ -151,13 +158,17 @@ std::vector<ResponsePart> ExplainedOutput::Responses(
     int part_of_load = 0;
     const double load = ValueOf(explanations, Kind::kLoadWithSetPoints, j,
                                 nullptr, &part_of_load);
+    int shape_of_curve = 0;
+    const double curve =
+        ValueOf(explanations, Kind::kCurvedInput, j, nullptr, &shape_of_curve);
     const ResponseKey key = {
         .time_scale = values.time_scale,
         .delay = values.delay,
         .second_lag = shape.second,
         .lead = shape.lead,
         .falling = std::exp(ValueOf(explanations, Kind::kDirection, j)),
-        .curve = ValueOf(explanations, Kind::kCurvedInput, j),
+        .curve = curve,
+        .shape = shape_of_curve,
         .slowness = limited ? std::exp(rate) : 0.0,
         .backlash = ValueOf(explanations, Kind::kBacklash, j),
         .limit = ValueOf(explanations, Kind::kSaturation, j),
@@ -204,14 +215,61 @@ VectorXd ExplainedOutput::Residual(
   for (const ResponsePart& part : Responses(explanations)) {
     z += part.gain * cache_.Get(part, [&] { return ResponseOf(part); });
   }
-  if (IsCurved(explanations)) {
-    const double curve = ValueOf(explanations, Kind::kCurvedOutput, output_);
-    const double cubic = ValueOf(explanations, Kind::kSShapedOutput, output_);
-    const Eigen::ArrayXd scaled = z.array() / output_range_;
-    z.array() +=
-        output_range_ * (curve * scaled.square() + cubic * scaled.cube());
+  for (const Explanation& one : explanations) {
+    if (one.kind != Kind::kCurvedOutput && one.kind != Kind::kSShapedOutput) {
+      continue;
+    }
+    const CurveShape shape = mle::ShapeOf(one);
+    const double c = CurvatureOf(one);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const double level = levels_[rows_[i].record];
+      double& value = z[static_cast<Index>(i)];
+      value = Bend(shape, c, Straighten(shape, c, level) + value) - level;
+    }
   }
   return measured_ - z;
+}
+
+double ExplainedOutput::CurvatureOf(const Explanation& one) const {
+  return one.value / (one.kind == Kind::kCurvedInput
+                          ? std::max(distances_[one.index], 1e-300)
+                          : output_range_);
+}
+
+Explanation ExplainedOutput::InputCurve(const FoundCurve& curve) const {
+  return {Kind::kCurvedInput, curve.channel,
+          curve.curvature * distances_[curve.channel],
+          static_cast<int>(curve.shape)};
+}
+
+FoundCurve ExplainedOutput::CurveOf(
+    const Explanation& explanation, double standard_error,
+    const std::vector<Explanation>& alternatives) const {
+  FoundCurve curve;
+  curve.is_output = explanation.kind != Kind::kCurvedInput;
+  curve.channel = explanation.index;
+  curve.shape = mle::ShapeOf(explanation);
+  curve.curvature = CurvatureOf(explanation);
+  Explanation unit = explanation;
+  unit.value = 1.0;
+  curve.standard_error = standard_error * CurvatureOf(unit);
+  for (const Explanation& one : alternatives) {
+    curve.alternatives.push_back({mle::ShapeOf(one), CurvatureOf(one)});
+  }
+  const int channel = explanation.index;
+  curve.at = curve.is_output ? first_level_ : first_inputs_[channel];
+  curve.low = kInfinity;
+  curve.high = -kInfinity;
+  for (const Record& record : *records_) {
+    const auto values = curve.is_output ? record.outputs.row(output_)
+                                        : record.inputs.row(channel);
+    for (const double value : values) {
+      if (!std::isfinite(value)) continue;
+      curve.low = std::min(curve.low, value);
+      curve.high = std::max(curve.high, value);
+    }
+  }
+  return curve;
 }
 
 absl::StatusOr<VectorXd> ExplainedOutput::ResidualOf(

@@ -117,18 +117,18 @@ const std::vector<ExplanationType>& ExplanationTable() {
        "curved_output",
        Place::kOutput,
        kRarer,
-       {-0.6, -0.4, -0.2, 0.2, 0.4, 0.6},
-       -0.9,
-       0.9,
+       {-1.2, -0.8, -0.4, 0.4, 0.8, 1.2},
+       -4.0,
+       4.0,
        "%s is not linear: its gains follow its own level",
        "Set-point changes around one level would settle it."},
       {Kind::kSShapedOutput,
        "curved_output",
        Place::kOutput,
        kRarer,
-       {-0.8, -0.4, 0.4, 0.8},
-       -1.0,
-       2.0,
+       {-3.0, -1.5, 1.5, 3.0},
+       -8.0,
+       4.0,
        "%s is not linear: its gains are others far from where it began",
        "Set-point changes around one level would settle it."},
       {Kind::kAveragedOutput,
@@ -144,9 +144,9 @@ const std::vector<ExplanationType>& ExplanationTable() {
        "curved_input",
        Place::kInput,
        kRarer,
-       {-0.8, -0.4, -0.2, 0.2, 0.4, 0.8},
-       -2.0,
-       2.0,
+       {-1.6, -0.8, -0.4, 0.4, 0.8, 1.6},
+       -4.0,
+       4.0,
        "the effect of %s is not linear: its gain follows its position",
        "Set-point changes around one position would settle it."},
       {Kind::kRateLimit,
@@ -215,6 +215,11 @@ bool IsAgeing(ExplanationKind kind) {
 bool IsShape(ExplanationKind kind) {
   return kind == Kind::kHigherOrder || kind == Kind::kLead ||
          kind == Kind::kNewPath;
+}
+
+bool IsCurve(ExplanationKind kind) {
+  return kind == Kind::kCurvedOutput || kind == Kind::kSShapedOutput ||
+         kind == Kind::kCurvedInput;
 }
 
 bool IsHeld(ExplanationKind kind) { return IsAgeing(kind) || IsShape(kind); }

@@ -30,11 +30,12 @@ enum class ExplanationKind {
   // Effects at an output; z is the model's output from where it began, w its
   // range.
   kOutputClock,     // every L + θ τ/2, τ the median of T + L in the row
-  kCurvedOutput,    // z + θ z²/w
-  kSShapedOutput,   // z + θ z³/w²
+  kCurvedOutput,    // h(z), c = θ/w (curves.h), its shape as of
+                    // Explanation::part (curves.h)
+  kSShapedOutput,   // the same, S-shaped
   kAveragedOutput,  // the mean of z over θ τ before each sample
   // Effects at an input; v is the input from where it began, w its range.
-  kCurvedInput,  // v + θ v²/max |v|
+  kCurvedInput,  // h(v), c = θ/max |v| (curves.h)
   kRateLimit,    // moves by w e^{−θ}/τ a time unit at most
   kBacklash,     // follows only beyond a gap θ w
   kSaturation,   // the highest (θ > 0) or lowest |θ| w are not reached
@@ -69,7 +70,9 @@ const ExplanationType& TypeOf(ExplanationKind kind);
 bool IsAgeing(ExplanationKind kind);
 // Another order, a lead, a new path: of an element that has aged or not.
 bool IsShape(ExplanationKind kind);
-// What a corrected model can hold: either of these.
+// An output or an input is curved.
+bool IsCurve(ExplanationKind kind);
+// What the elements of a corrected model can hold: ageing or another shape.
 bool IsHeld(ExplanationKind kind);
 
 // Shapes of a change during the record: 0, from 0 at the first sample to 1 at
@@ -88,7 +91,8 @@ struct Explanation {
   ExplanationKind kind = ExplanationKind::kGain;
   int index = 0;
   double value = 0.0;  // θ
-  // Of kChangeDuringRecord, kNewPath and kLoadWithSetPoints: which of them.
+  // Of kChangeDuringRecord, kNewPath, kCurvedOutput and kLoadWithSetPoints:
+  // which of them.
   int part = 0;
 
   bool SameAs(const Explanation& other) const {

@@ -363,21 +363,7 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   chance_ = last.energy;
   unit_ = last.unit;
   FindTies();
-  if (!taken_.empty()) {
-    held_out_ =
-        HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
-          const ProjectedResidual kept(output_, [&](const VectorXd& e) {
-            return instruments_.Project(e, weights);
-          });
-          return FitExplanations(
-                     output_,
-                     [&](const std::vector<Explanation>& at) {
-                       return kept.At(at);
-                     },
-                     Explanations())
-              .explanations;
-        });
-  }
+  HoldOut();
   FitTogether();
   TakeForClock();
   // Explanations that were given, or that came by exchange, have no evidence

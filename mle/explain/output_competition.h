@@ -47,6 +47,13 @@ class OutputCompetition {
   // All elements were fitted at once.
   bool together() const { return together_; }
 
+  // The explanations with another shape of a curve that was taken, all
+  // estimated again.
+  ExplanationFit WithShapeOf(const Explanation& curve, int part) const;
+  // They in place of what was taken.
+  void TakeShape(const ExplanationFit& fit, const Explanation& curve,
+                 std::vector<Explanation> alternatives);
+
   // Standard errors, what is left, hold-out validation, ties.
   OutputExplanation Report() const;
 
@@ -105,6 +112,8 @@ class OutputCompetition {
   // All elements at once, where much is left (several_steps.h).
   void FitTogether();
   void FindTies();
+  // Errors of what was taken, where blocks are held out.
+  void HoldOut();
   void TakeForClock();
   // Cost of an improbability of one: N, for instruments that are not in parts.
   double CostOf(double chance) const { return chance / instruments_.parts(); }

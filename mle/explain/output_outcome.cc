@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Cholesky"
 #include "mle/data/sampling.h"
+#include "mle/explain/curves.h"
+#include "mle/explain/held_out_errors.h"
 #include "mle/explain/output_competition.h"
 
 namespace mle {
@@ -16,6 +19,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
@@ -43,6 +47,47 @@ void OutputCompetition::TakeForClock() {
     one.explanation = {ExplanationKind::kOutputClock, output_.output(),
                        change / (0.5 * output_.tau())};
   }
+}
+
+void OutputCompetition::HoldOut() {
+  held_out_.clear();
+  if (taken_.empty()) return;
+  held_out_ =
+      HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
+        const ProjectedResidual kept(output_, [&](const VectorXd& e) {
+          return instruments_.Project(e, weights);
+        });
+        return FitExplanations(
+                   output_,
+                   [&](const std::vector<Explanation>& at) {
+                     return kept.At(at);
+                   },
+                   Explanations())
+            .explanations;
+      });
+}
+
+ExplanationFit OutputCompetition::WithShapeOf(const Explanation& curve,
+                                              int part) const {
+  std::vector<Explanation> explanations = Explanations();
+  for (Explanation& one : explanations) {
+    if (one.SameAs(curve)) one = WithShape(one, part);
+  }
+  return Estimate(std::move(explanations));
+}
+
+void OutputCompetition::TakeShape(const ExplanationFit& fit,
+                                  const Explanation& curve,
+                                  std::vector<Explanation> alternatives) {
+  bool changed = false;
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    Explanation& taken = taken_[i].explanation;
+    changed = changed || taken.part != fit.explanations[i].part;
+    taken = fit.explanations[i];
+    if (taken.SameAs(curve)) taken_[i].alternatives = std::move(alternatives);
+  }
+  energy_ = fit.energy;
+  if (changed) HoldOut();
 }
 
 MatrixXd OutputCompetition::CovarianceOfTheta() const {

@@ -22,6 +22,7 @@ struct ResponseKey {
   double falling = 1.0;  // the lag downwards, in that upwards
   // Of the input, θ of each explanation; 0: none.
   double curve = 0.0;
+  int shape = 0;          // of the curve (Explanation::part)
   double slowness = 0.0;  // τ over the full range, at the limit of the rate
   double backlash = 0.0;
   double limit = 0.0;

@@ -40,6 +40,10 @@ struct Candidates {
   std::optional<Competition> competition;
 
   double sample_time() const { return data.sample_time(); }
+  // Of the ARX model, and of the lags of diagnostics.
+  int order() const {
+    return options.estimation.conversion.OrderFor(initial, sample_time());
+  }
 };
 
 // `data` have windows. Errors as of CorrectFromRecords().

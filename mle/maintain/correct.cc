@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -10,8 +11,10 @@
 #include "mle/base/status.h"
 #include "mle/data/stretches.h"
 #include "mle/exchange/model_file.h"
+#include "mle/maintain/built_result.h"
 #include "mle/maintain/candidates.h"
 #include "mle/maintain/certificates.h"
+#include "mle/maintain/curves_held.h"
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/explained.h"
 #include "mle/maintain/usual_residuals.h"
@@ -19,8 +22,13 @@
 namespace mle {
 namespace {
 
-// The smallest time constant of fopdt_model, in Δt: that of a jump.
-constexpr double kTimeFloor = 1e-3;
+// Curves of a channel that are put one upon the other, at most.
+constexpr int kMostCurved = 3;
+
+absl::StatusOr<CorrectionResult> CorrectBent(const ProcessModel& model,
+                                             RecordData data,
+                                             const CorrectOptions& options,
+                                             int rounds);
 
 absl::Status NotPositive(const char* field, double value) {
   return absl::InvalidArgumentError(absl::StrCat(
@@ -44,175 +52,94 @@ int ChangesOf(const RecordData& data) {
   return moves;
 }
 
-// The order of the ARX model, and of the lags of diagnostics.
-int OrderOfModel(const Candidates& candidates) {
-  return candidates.options.estimation.conversion.OrderFor(
-      candidates.initial, candidates.sample_time());
-}
-
 absl::StatusOr<Validation> Judge(const Candidates& candidates) {
   const CorrectOptions& options = candidates.options;
   return ValidateByHoldOut(candidates.estimate, candidates.windows,
-                           ChangesOf(candidates.data), OrderOfModel(candidates),
+                           ChangesOf(candidates.data), candidates.order(),
                            options.hold_out, options.in_use, options.threads,
                            options.progress);
 }
 
-// Of the proposal what is accepted; of one that is not accepted at all, the
-// whole, to be shown.
-absl::StatusOr<Estimate> TakeAccepted(const Candidates& candidates,
-                                      const Verdict& verdict) {
-  Estimate estimate = candidates.estimate;
-  if (verdict.decision != Decision::kCorrected) return estimate;
-  for (int i = 0; i < candidates.initial.num_outputs(); ++i) {
-    if (verdict.outputs[i] == Acceptance::kExplained) {
-      TakeExplained(candidates, i, estimate);
-    } else if (verdict.outputs[i] == Acceptance::kNothing) {
-      KeepInitialOutput(i, estimate);
+// Whether an output that a curve acts on is in doubt.
+bool IsDoubtful(const CorrectionResult& result, const FoundCurve& curve) {
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    if (curve.is_output ? i != curve.channel
+                        : result.initial.element(i, curve.channel).IsZero()) {
+      continue;
+    }
+    const std::string& name = result.initial.outputs()[i].name;
+    for (const Message& reason : result.reasons) {
+      if (reason.place == name) return true;
     }
   }
-  MLE_RETURN_IF_ERROR(MakePredictors(candidates.windows, estimate));
-  return estimate;
+  return false;
 }
 
-absl::Status MakeModels(CorrectionResult& result) {
-  const double sample_time = result.data.sample_time();
-  const auto samples = static_cast<int>(result.initial_response.values.rows());
-  MLE_ASSIGN_OR_RETURN(
-      result.corrected,
-      MakeCorrectedModel(result.estimate, result.accepted(), sample_time,
-                         samples, result.options.make_arx));
-  MLE_RETURN_IF_ERROR(CheckResponse(result.corrected.response));
-  result.change =
-      CompareResponses(result.initial_response, result.corrected.response);
-  MLE_ASSIGN_OR_RETURN(
-      result.fopdt,
-      DescribeAsFopdt(result.estimate, result.accepted(), result.corrected));
-  result.fopdt_model =
-      FopdtModel(result.initial, result.fopdt, kTimeFloor * sample_time);
-  MLE_ASSIGN_OR_RETURN(result.model,
-                       TransferFunctionsOf(result.initial, result.corrected));
-  if (result.options.make_arx) {
-    result.state_space = MakeStateSpaceForm(result.model, result.corrected,
-                                            result.options.threads);
-  }
-  return absl::OkStatus();
-}
-
-// The residuals of the model in the controller and of the corrected one.
-absl::Status ExamineWindows(const std::vector<Record>& windows, int order,
-                            CorrectionResult& result) {
-  const CorrectOptions& options = result.options;
-  if (!options.examine) return absl::OkStatus();
-  const Stage stage(options.progress, "examining the residuals");
-  MLE_RETURN_IF_ERROR(stage.status());
-  result.max_lag = order;
-  const EstimateFit& fit = result.estimate.fit;
-  const std::vector<Record> stretches = JoinAdjoining(windows).records;
-  result.initial_residuals =
-      ExamineResiduals(options.in_use ? options.in_use : fit.initial, stretches,
-                       order, options.threads);
-  result.corrected_residuals =
-      result.accepted()
-          ? ExamineResiduals(fit.corrected, stretches, order, options.threads)
-          : result.initial_residuals;
-  return absl::OkStatus();
-}
-
-// What the model for use leaves of all usual operation, and its filters.
-absl::Status EstimateFilters(CorrectionResult& result) {
-  const CorrectOptions& options = result.options;
-  const auto& rest = options.estimation.output_error.at_rest;
-  if (!options.examine || !options.filter.estimate || rest == nullptr) {
-    return absl::OkStatus();
-  }
-  const Stage stage(options.progress, "estimating the filter");
-  MLE_RETURN_IF_ERROR(stage.status());
-  MLE_ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> residuals,
-                       UsualResiduals(result.model, result.data, *rest));
-  result.filters = FindFilters(
-      residuals, result.data.sample_time(), IntegratingOutputs(result.model),
-      SettlingTime(result.model), options.filter, options.threads);
-  DisturbanceForm form = CombineFilters(result.filters, /*samples=*/1);
-  if (result.state_space.model.has_value() && form.A.size() > 0) {
-    result.state_space.model->disturbance_model = std::move(form);
-  }
-  return absl::OkStatus();
-}
-
-// What a user has to know of the length of the step responses.
-void NoteHorizon(CorrectionResult& result) {
-  const ProcessModel& model = result.initial;
-  const StepResponse& response = result.initial_response;
-  const auto samples = static_cast<double>(response.values.rows());
-  if (result.options.response_horizon != 0.0 ||
-      SettlingTime(model) <= samples * response.sample_time) {
-    return;
-  }
-  result.notes.push_back(
-      {MessageCode::kSampling,
-       "",
-       absl::StrFormat("Step responses are computed for %.6g %s: the records "
-                       "are too short to show the %.6g %s in which the "
-                       "model settles.",
-                       (samples - 1.0) * response.sample_time,
-                       model.time_unit(), SettlingTime(model),
-                       model.time_unit()),
-       {"response_horizon"}});
-}
-
-// Scores are of the likelihood's proposal. They say nothing of an output of
-// which the instruments' estimate is taken in its place, and one that keeps its
-// model predicts as it did.
-void KeepScoresOfAccepted(const Verdict& verdict, Validation& validation) {
-  if (verdict.decision != Decision::kCorrected) return;
-  const auto keep = [&](std::vector<OutputScores>& scores) {
-    for (std::size_t i = 0; i < scores.size(); ++i) {
-      if (verdict.outputs[i] == Acceptance::kProposal) continue;
-      for (HorizonScore* const score :
-           {&scores[i].one_step, &scores[i].several_steps,
-            &scores[i].simulated}) {
-        *score = {.initial = score->initial};
-        if (verdict.outputs[i] == Acceptance::kNothing) {
-          score->corrected = score->initial;
-        }
-      }
+// What the elements are between the variables that curves make linear; nothing
+// where the records have no such values, or leave doubt of outputs that a curve
+// acts on.
+absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
+    const Candidates& candidates, const std::vector<FoundCurve>& curves,
+    int rounds) {
+  absl::StatusOr<BentPlant> bent =
+      WithCurves(candidates.initial, candidates.data, curves);
+  if (!bent.ok()) return std::optional<CorrectionResult>();
+  MLE_ASSIGN_OR_RETURN(CorrectionResult result,
+                       CorrectBent(bent->model, std::move(bent->data),
+                                   candidates.options, rounds));
+  if (result.decision == Decision::kCannotTell) {
+    for (const FoundCurve& curve : curves) {
+      if (IsDoubtful(result, curve)) return std::optional<CorrectionResult>();
     }
-  };
-  keep(validation.outputs);
-  for (std::vector<OutputScores>& window : validation.windows) keep(window);
+  }
+  if (result.decision == Decision::kNoChange) result.reasons.clear();
+  result.decision = Decision::kCorrected;
+  std::vector<Message> reasons;
+  for (const FoundCurve& curve : curves) {
+    reasons.push_back({MessageCode::kCurved,
+                       curve.is_output
+                           ? candidates.initial.outputs()[curve.channel].name
+                           : candidates.initial.inputs()[curve.channel].name,
+                       absl::StrCat(DescribeCurve(candidates.initial, curve),
+                                    ". The corrected model has it as a "
+                                    "transform."),
+                       {}});
+  }
+  result.reasons.insert(result.reasons.begin(), reasons.begin(), reasons.end());
+  result.curves.insert(result.curves.begin(), curves.begin(), curves.end());
+  // What is explained is told whole: the curves, and what was left beside them.
+  for (std::size_t i = 0; i < result.explanations.size(); ++i) {
+    std::vector<TakenExplanation> all =
+        candidates.competition->outputs()[i].taken;
+    std::erase_if(all, [](const TakenExplanation& one) {
+      return !IsCurve(one.explanation.kind);
+    });
+    std::vector<TakenExplanation>& taken = result.explanations[i].taken;
+    taken.insert(taken.begin(), all.begin(), all.end());
+  }
+  return std::optional<CorrectionResult>(std::move(result));
 }
 
-absl::StatusOr<CorrectionResult> Build(Candidates candidates,
-                                       Validation validation, Verdict verdict) {
-  MLE_ASSIGN_OR_RETURN(Estimate estimate, TakeAccepted(candidates, verdict));
-  const int order = OrderOfModel(candidates);
-  KeepScoresOfAccepted(verdict, validation);
-  CorrectionResult result;
-  result.initial = std::move(candidates.initial);
-  result.options = std::move(candidates.options);
-  result.data = std::move(candidates.data);
-  result.decision = verdict.decision;
-  result.reasons = std::move(verdict.reasons);
-  result.accepted_outputs = std::move(verdict.outputs);
-  result.proposed = std::move(candidates.estimate.fit.output_error.corrected);
-  result.estimate = std::move(estimate);
-  if (candidates.competition.has_value()) {
-    result.explanations = candidates.competition->outputs();
+// The correction of a plant whose curves, so many times at most, are put into
+// the model that is corrected.
+absl::StatusOr<CorrectionResult> CorrectBent(const ProcessModel& model,
+                                             RecordData data,
+                                             const CorrectOptions& options,
+                                             int rounds) {
+  MLE_ASSIGN_OR_RETURN(Candidates candidates,
+                       FindCandidates(model, std::move(data), options));
+  MLE_ASSIGN_OR_RETURN(Validation validation, Judge(candidates));
+  Verdict verdict =
+      Decide(GatherEvidence(candidates, validation), options.decision);
+  const std::vector<FoundCurve> curves =
+      rounds > 0 ? CurvesToHold(candidates) : std::vector<FoundCurve>();
+  if (!curves.empty()) {
+    MLE_ASSIGN_OR_RETURN(std::optional<CorrectionResult> within,
+                         CorrectWithin(candidates, curves, rounds - 1));
+    if (within.has_value()) return *std::move(within);
   }
-  result.information = std::move(candidates.information);
-  result.validation = std::move(validation);
-  result.initial_response = std::move(candidates.initial_response);
-  result.notes = result.data.notes;
-  result.warnings = result.data.warnings;
-  NoteHorizon(result);
-  const Stage making(result.options.progress, "making the corrected model");
-  MLE_RETURN_IF_ERROR(making.status());
-  MLE_RETURN_IF_ERROR(MakeModels(result));
-  CheckCertificates(result);
-  MLE_RETURN_IF_ERROR(ExamineWindows(candidates.windows, order, result));
-  MLE_RETURN_IF_ERROR(EstimateFilters(result));
-  return result;
+  return BuildResult(std::move(candidates), std::move(validation),
+                     std::move(verdict));
 }
 
 RecordOptions RecordOptionsOf(const CorrectOptions& options) {
@@ -290,13 +217,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   if (data.windows.empty()) {
     return absl::InvalidArgumentError("there are no windows");
   }
-  MLE_ASSIGN_OR_RETURN(Candidates candidates,
-                       FindCandidates(model, std::move(data), options));
-  MLE_ASSIGN_OR_RETURN(Validation validation, Judge(candidates));
-  Verdict verdict =
-      Decide(GatherEvidence(candidates, validation), options.decision);
-  return Build(std::move(candidates), std::move(validation),
-               std::move(verdict));
+  return CorrectBent(model, std::move(data), options, kMostCurved);
 }
 
 double DetectableGain(const CorrectionResult& result, int i, int j) {

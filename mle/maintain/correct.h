@@ -28,6 +28,7 @@
 #include "mle/correction/pair_information.h"
 #include "mle/data/record.h"
 #include "mle/explain/competition.h"
+#include "mle/explain/curves.h"
 #include "mle/filter/output_filter.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/decision.h"
@@ -120,6 +121,10 @@ struct CorrectionResult {
 
   // The model for use: the initial one unless `decision` is kCorrected.
   CorrectedModel corrected;
+  // The curves that the records showed, which `initial` has as transforms of
+  // its channels beside what was given (empty: none); `corrected` are the
+  // elements between them. `data` are in these variables (linearise.h).
+  std::vector<FoundCurve> curves;
   std::vector<FopdtElement> fopdt;  // p × m, row by row
   ProcessModel fopdt_model;         // the same as a process model
   // The corrected model by transfer functions: `corrected.process`, or elements
@@ -148,6 +153,9 @@ struct CorrectionResult {
 // a share: by what set points drive of the output where that judges it, by the
 // noise found elsewhere. Infinite where nothing tells of it.
 double DetectableGain(const CorrectionResult& result, int output, int input);
+
+// "The gain of steam follows its position: × 0.62 at 20 %, × 1.7 at 80 %".
+std::string DescribeCurve(const ProcessModel& model, const FoundCurve& curve);
 
 // That the model is right: of the test of no change or, where this finds none,
 // of the explanation that set points leave least doubt of (one of all outputs,

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/maintain/aged_elements.h"
+#include "mle/maintain/explained_text.h"
 #include "mle/maintain/stamps.h"
 #include "mle/model/element_response.h"
 
@@ -28,19 +29,6 @@ constexpr double kSmall = 0.2;
 // By how many standard errors that of one horizon has to fall.
 constexpr double kFallen = 1.5;
 
-std::string Sentence(const ProcessModel& model, int output,
-                     const Explanation& explanation) {
-  const ExplanationType& type = TypeOf(explanation.kind);
-  const std::string place = type.place == ExplanationPlace::kElement
-                                ? PairName(model, output, explanation.index)
-                            : type.place == ExplanationPlace::kOutput
-                                ? model.outputs()[output].name
-                                : model.inputs()[explanation.index].name;
-  const std::string text = type.sentence;
-  const std::size_t at = text.find("%s");
-  return absl::StrCat(text.substr(0, at), place, text.substr(at + 2));
-}
-
 MessageCode CodeOf(ExplanationKind kind) {
   if (IsClock(kind)) return MessageCode::kClock;
   if (kind == ExplanationKind::kChangeDuringRecord) {
@@ -48,136 +36,6 @@ MessageCode CodeOf(ExplanationKind kind) {
   }
   return kind == ExplanationKind::kBacklash ? MessageCode::kSticking
                                             : MessageCode::kExplained;
-}
-
-std::string Capitalised(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
-  return text;
-}
-
-// Whether a clock that is late by so much changes a response of the output, to
-// one input or to all, by more than is worth making.
-bool ClockMatters(const Candidates& candidates, int i, int input, double late) {
-  for (int j = 0; j < candidates.initial.num_inputs(); ++j) {
-    const TransferFunction& element = candidates.initial.element(i, j);
-    if (element.IsZero() || (input >= 0 && j != input)) continue;
-    const double delay = element.delay() + late;
-    if (delay < 0.0) return true;
-    const Eigen::VectorXd from = candidates.initial_response.element(i, j);
-    const Eigen::VectorXd to =
-        TransferFunction(element.numerator(), element.denominator(), delay)
-            .StepResponse(candidates.data.sample_time(),
-                          static_cast<int>(from.size()));
-    if ((to - from).norm() > LeastChange(candidates, i, j) * from.norm()) {
-      return true;
-    }
-  }
-  return false;
-}
-
-int FirstInput(const ProcessModel& model, int output) {
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    if (!model.element(output, j).IsZero()) return j;
-  }
-  return 0;
-}
-
-std::string Others(const Candidates& candidates, int i) {
-  std::string text;
-  for (const TakenExplanation& one :
-       candidates.competition->outputs()[i].taken) {
-    const Explanation& explanation = one.explanation;
-    if (IsHeld(explanation.kind)) continue;
-    if (IsClock(explanation.kind) &&
-        BelievedDelay(candidates, i,
-                      explanation.kind == ExplanationKind::kInputClock
-                          ? explanation.index
-                          : FirstInput(candidates.initial, i)) != 0.0) {
-      continue;
-    }
-    if (IsClock(explanation.kind)) {
-      const bool of_output = explanation.kind == ExplanationKind::kOutputClock;
-      const int j =
-          of_output ? FirstInput(candidates.initial, i) : explanation.index;
-      const double late = candidates.competition->ClockOf(i, j);
-      if (!ClockMatters(candidates, i, of_output ? -1 : j, late)) continue;
-      absl::StrAppend(
-          &text, text.empty() ? "" : " ",
-          absl::StrFormat(
-              "All dead times of %s are %.2g %s %s, or its time stamps are "
-              "wrong by as much. ",
-              of_output ? candidates.initial.outputs()[i].name
-                        : candidates.initial.inputs()[j].name,
-              std::abs(late), candidates.initial.time_unit(),
-              late < 0.0 ? "shorter" : "longer"),
-          TypeOf(explanation.kind).settled_by);
-      continue;
-    }
-    absl::StrAppend(
-        &text, text.empty() ? "" : " ",
-        Capitalised(Sentence(candidates.initial, i, explanation)),
-        Lasts(explanation)
-            ? absl::StrFormat(" and is × %.3g at its end. ",
-                              GainAtEnd({explanation}, explanation.index))
-            : ". ",
-        TypeOf(explanation.kind).settled_by);
-  }
-  return text;
-}
-
-// The elements of output i that another output contradicts, in sentences.
-std::string Contested(const ProcessModel& model, const Competition& competition,
-                      int i) {
-  std::string text;
-  for (const TakenExplanation& one : competition.outputs()[i].taken) {
-    const Explanation& aged = one.explanation;
-    if (!IsHeld(aged.kind)) continue;
-    const std::optional<ShownOfInput> shown =
-        ContestedBy(competition, i, aged.index);
-    if (!shown.has_value()) continue;
-    absl::StrAppend(&text, text.empty() ? "" : " ",
-                    Capitalised(Sentence(model, i, aged)), ", or ",
-                    Sentence(model, shown->output, shown->explanation), ", as ",
-                    model.outputs()[shown->output].name, " shows. ",
-                    TypeOf(shown->explanation.kind).settled_by);
-  }
-  return text;
-}
-
-// Whether what won for output i misleads a correction of its other elements. A
-// reversed sign is a mistake of configuration, which no change of the others
-// makes up for. Where a load comes with set points, as this output or another
-// shows, set points drive more than the plant.
-bool Misleads(const Competition& competition, int i) {
-  for (const TakenExplanation& one : competition.outputs()[i].taken) {
-    const Explanation& taken = one.explanation;
-    if (taken.kind == ExplanationKind::kReversed ||
-        taken.kind == ExplanationKind::kLoadWithSetPoints) {
-      return true;
-    }
-    if (!IsHeld(taken.kind)) continue;
-    const std::optional<ShownOfInput> shown =
-        ContestedBy(competition, i, taken.index);
-    if (shown.has_value() &&
-        shown->explanation.kind == ExplanationKind::kLoadWithSetPoints) {
-      return true;
-    }
-  }
-  return false;
-}
-
-std::string Ties(const ProcessModel& model, const OutputExplanation& output,
-                 int i) {
-  std::string text;
-  for (const OutputExplanation::Tie& tie : output.ties) {
-    if (!IsAgeing(tie.taken.kind)) continue;
-    absl::StrAppend(&text, text.empty() ? "" : " ",
-                    "Two explanations account for ", model.outputs()[i].name,
-                    " equally well: ", Sentence(model, i, tie.taken), ", or ",
-                    Sentence(model, i, tie.rival), ". ",
-                    TypeOf(tie.rival.kind).settled_by);
-  }
-  return text;
 }
 
 // The elements that the likelihood proposes to change: fewer of them are a
@@ -207,23 +65,6 @@ double LargestChange(const Candidates& candidates, int i) {
   return largest;
 }
 
-std::string ErrorsText(const OutputExplanation& output,
-                       const ProcessModel& model, int i) {
-  std::string text;
-  for (const HorizonErrors& error : output.held_out) {
-    absl::StrAppend(
-        &text, text.empty() ? "its error " : ", ",
-        error.horizon > 0.0
-            ? absl::StrFormat("%.3g %s ahead", error.horizon, model.time_unit())
-            : "simulated",
-        absl::StrFormat(" is %.3g after %.3g", error.explained, error.initial));
-  }
-  const std::string& unit = model.outputs()[i].unit;
-  return text.empty() || unit.empty() || unit == "-"
-             ? text
-             : absl::StrCat(text, " ", unit);
-}
-
 // What is left of the error of free simulation, as a share.
 double SimulatedRatio(const OutputExplanation& output) {
   for (const HorizonErrors& error : output.held_out) {
@@ -234,7 +75,26 @@ double SimulatedRatio(const OutputExplanation& output) {
   return 1.0;
 }
 
-// All horizons together, none much worse, one by more than chance.
+}  // namespace
+
+bool Misleads(const Competition& competition, int i) {
+  for (const TakenExplanation& one : competition.outputs()[i].taken) {
+    const Explanation& taken = one.explanation;
+    if (taken.kind == ExplanationKind::kReversed ||
+        taken.kind == ExplanationKind::kLoadWithSetPoints) {
+      return true;
+    }
+    if (!IsHeld(taken.kind)) continue;
+    const std::optional<ShownOfInput> shown =
+        ContestedBy(competition, i, taken.index);
+    if (shown.has_value() &&
+        shown->explanation.kind == ExplanationKind::kLoadWithSetPoints) {
+      return true;
+    }
+  }
+  return false;
+}
+
 bool PredictsBetter(const OutputExplanation& output) {
   bool fallen = false;
   std::vector<double> ratios;
@@ -244,24 +104,6 @@ bool PredictsBetter(const OutputExplanation& output) {
     fallen = fallen || error.deviations > kFallen;
   }
   return fallen && FallTogether(ratios);
-}
-
-}  // namespace
-
-std::string DescribeExplanation(const ProcessModel& model, int output,
-                                const Explanation& explanation) {
-  const double value = explanation.value;
-  if (explanation.kind == ExplanationKind::kGain) {
-    return absl::StrFormat("gain of %s × %.3g",
-                           PairName(model, output, explanation.index),
-                           std::exp(value));
-  }
-  if (explanation.kind == ExplanationKind::kTimeConstant) {
-    return absl::StrFormat("time constant of %s × %.3g",
-                           PairName(model, output, explanation.index),
-                           std::exp(value));
-  }
-  return Sentence(model, output, explanation);
 }
 
 std::optional<InstrumentEvidence> EvidenceByInstruments(

@@ -17,6 +17,16 @@ namespace mle {
 std::string DescribeExplanation(const ProcessModel& model, int output,
                                 const Explanation& explanation);
 
+// Whether what won for output i misleads a correction of its other elements. A
+// reversed sign is a mistake of configuration, which no change of the others
+// makes up for. Where a load comes with set points, as this output or another
+// shows, set points drive more than the plant.
+bool Misleads(const Competition& competition, int i);
+
+// Of blocks held out, with what won: all horizons together, none much worse,
+// one by more than chance.
+bool PredictsBetter(const OutputExplanation& output);
+
 // Nothing where the output has no judge; there is a competition.
 std::optional<InstrumentEvidence> EvidenceByInstruments(
     const Candidates& candidates, int output);

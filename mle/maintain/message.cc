@@ -76,6 +76,8 @@ std::string_view NameOf(MessageCode code) {
       return "structure_doubtful";
     case MessageCode::kExplained:
       return "explained";
+    case MessageCode::kCurved:
+      return "curved";
     case MessageCode::kMissingExplanation:
       return "missing_explanation";
     case MessageCode::kNotConfirmed:

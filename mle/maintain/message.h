@@ -54,6 +54,7 @@ enum class MessageCode {
   kNothingHeldOut,      // the correction could not be validated
   kWindowsDisagree,     // parts of the records want different gains
   kStructureDoubtful,   // it does not explain the records
+  kCurved,              // a gain follows the position of an input, or a level
   kExplained,           // something else than ageing explains the records
   kMissingExplanation,  // set points drive what nothing known explains
   kNotConfirmed,        // a change that set points do not confirm

@@ -10,6 +10,7 @@
 #include "absl/strings/str_split.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
+#include "mle/data/linearise.h"
 #include "mle/maintain/dates.h"
 #include "mle/maintain/record_scan.h"
 #include "mle/maintain/used_windows.h"
@@ -184,6 +185,9 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
       std::min(std::ceil(SettlingTime(model) / data.sample_time()), 1e9));
   for (const OutputChannel& output : model.outputs()) {
     data.sampling.push_back(SamplingOf(output, options.examination.tags));
+  }
+  for (Record& record : data.records) {
+    MLE_RETURN_IF_ERROR(Linearise(model, record));
   }
   AddImportWarnings(data);
   MLE_RETURN_IF_ERROR(ExamineFiles(model, options.examination, data));

@@ -1,0 +1,71 @@
+#include "mle/explain/curve_shapes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+#include "mle/explain/curves.h"
+
+namespace mle {
+namespace {
+
+// Shapes that leave so many M more explain as much.
+constexpr double kAsMuch = 3.0;
+
+void ChooseShape(const std::vector<OutputCompetition*>& outputs,
+                 const Explanation& curve) {
+  const int shapes = NumShapes(curve.kind);
+  std::vector<double> left(shapes, 0.0);
+  std::vector<std::vector<ExplanationFit>> fits(shapes);
+  for (int part = 0; part < shapes; ++part) {
+    for (const OutputCompetition* output : outputs) {
+      fits[part].push_back(output->WithShapeOf(curve, part));
+      const double energy = fits[part].back().energy;
+      left[part] += energy < std::numeric_limits<double>::infinity()
+                        ? energy / output->unit()
+                        : std::numeric_limits<double>::infinity();
+    }
+  }
+  const auto best = static_cast<int>(
+      std::min_element(left.begin(), left.end()) - left.begin());
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    std::vector<Explanation> alternatives;
+    for (int part = 0; part < shapes; ++part) {
+      if (part == best || !(left[part] <= left[best] + kAsMuch)) continue;
+      for (const Explanation& one : fits[part][i].explanations) {
+        if (one.SameAs(curve)) alternatives.push_back(one);
+      }
+    }
+    outputs[i]->TakeShape(fits[best][i], curve, std::move(alternatives));
+  }
+}
+
+}  // namespace
+
+void ChooseShapes(
+    const std::vector<std::unique_ptr<OutputCompetition>>& outputs) {
+  std::vector<Explanation> done;
+  for (const auto& first : outputs) {
+    if (first == nullptr || first->together()) continue;
+    for (const Explanation& curve : first->Explanations()) {
+      const bool known = std::any_of(
+          done.begin(), done.end(),
+          [&](const Explanation& one) { return one.SameAs(curve); });
+      if (!IsCurve(curve.kind) || known) continue;
+      std::vector<OutputCompetition*> shown;
+      for (const auto& output : outputs) {
+        if (output == nullptr || output->together()) continue;
+        const std::vector<Explanation> all = output->Explanations();
+        if (std::any_of(all.begin(), all.end(), [&](const Explanation& one) {
+              return one.SameAs(curve);
+            })) {
+          shown.push_back(output.get());
+        }
+      }
+      ChooseShape(shown, curve);
+      done.push_back(curve);
+    }
+  }
+}
+
+}  // namespace mle

@@ -1,0 +1,78 @@
+// Curves of outputs and inputs with one parameter, c in 1/unit, of slope 1 at
+// x = 0:
+//
+//   exponential   h(x) = (e^{c x} − 1)/c          an equal-percentage valve
+//   logarithm     h(x) = ln(1 + c x)/c            its inverse: compositions
+//   quadratic     h(x) = x + c x²/2
+//   root          h(x) = (√(1 + 2 c x) − 1)/c     its inverse: quick opening
+//   sinh          h(x) = sinh(c x)/c, asinh(c x)/c where c < 0: pH
+//   tanh          h(x) = tanh(c x)/c where c < 0, artanh(c x)/c where c > 0
+//
+// To second order the first four are one, and the last two to third order:
+// which it is is asked once a curve has won (curve_shapes.h).
+
+#ifndef MLE_EXPLAIN_CURVES_H_
+#define MLE_EXPLAIN_CURVES_H_
+
+#include <vector>
+
+#include "mle/explain/explanation.h"
+#include "mle/model/transform.h"
+
+namespace mle {
+
+enum class CurveShape {
+  kExponential,
+  kLogarithm,
+  kQuadratic,
+  kRoot,
+  kSinh,
+  kTanh,
+};
+
+// Of a curved output or input (Explanation::part).
+CurveShape ShapeOf(const Explanation& explanation);
+// The number of shapes of a curve.
+int NumShapes(ExplanationKind kind);
+// The curve with another shape, alike to second (third) order.
+Explanation WithShape(Explanation curve, int part);
+
+// h(x); NaN where there is none, and where a quadratic no longer rises.
+double Bend(CurveShape shape, double c, double x);
+// x of h; NaN where there is none.
+double Straighten(CurveShape shape, double c, double y);
+
+// A curve that was found: of an output y = a + h(z − a), of an input v =
+// a + h(u − a), z and v what the model's elements are linear between.
+struct FoundCurve {
+  bool is_output = false;
+  int channel = 0;
+  CurveShape shape = CurveShape::kExponential;
+  double curvature = 0.0;       // c
+  double standard_error = 0.0;  // of c
+  double at = 0.0;              // a: where the records began
+  double low = 0.0;             // what they visited
+  double high = 0.0;
+  // Shapes that explain as much.
+  struct Alternative {
+    CurveShape shape = CurveShape::kExponential;
+    double curvature = 0.0;
+  };
+  std::vector<Alternative> alternatives = {};
+
+  // The transform of the channel.
+  Transform AsTransform() const;
+  // The gain at a value (of an input that of its effects, of an output all of
+  // its gains) relative to that at a, with its 95 % interval, in which those of
+  // the alternatives are.
+  struct Gain {
+    double value = 1.0;
+    double lower = 1.0;
+    double upper = 1.0;
+  };
+  Gain GainAt(double value) const;
+};
+
+}  // namespace mle
+
+#endif  // MLE_EXPLAIN_CURVES_H_

@@ -1,0 +1,199 @@
+#include "mle/model/transform.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+namespace {
+
+Transform EqualPercentage() {
+  Transform transform;
+  transform.kind = TransformKind::kEqualPercentage;
+  transform.rangeability = 50.0;
+  transform.low = 0.0;
+  transform.high = 100.0;
+  transform.at = 40.0;
+  return transform;
+}
+
+std::vector<Transform> AllTransforms() {
+  Transform exponential;
+  exponential.kind = TransformKind::kExponential;
+  exponential.curvature = -0.02;
+  exponential.at = 10.0;
+  Transform logarithm;
+  logarithm.kind = TransformKind::kLogarithm;
+  logarithm.at = 30.0;
+  logarithm.zero = -5.0;
+  Transform reflected = logarithm;  // values below x₀
+  reflected.zero = 200.0;
+  Transform root;
+  root.kind = TransformKind::kPower;
+  root.exponent = 0.5;
+  root.at = 25.0;
+  Transform reciprocal = root;
+  reciprocal.exponent = -1.0;
+  Transform quick;
+  quick.kind = TransformKind::kQuickOpening;
+  quick.low = -1.0;
+  quick.high = 100.0;
+  quick.at = 50.0;
+  Transform pieces;
+  pieces.kind = TransformKind::kPiecewiseLinear;
+  pieces.points = {{0.0, 0.0}, {20.0, 5.0}, {60.0, 45.0}, {100.0, 65.0}};
+  pieces.at = 30.0;
+  return {{},         exponential, EqualPercentage(),
+          logarithm,  reflected,   root,
+          reciprocal, quick,       pieces};
+}
+
+TEST(TransformTest, AtTheOperatingPointNothingIsTransformed) {
+  for (const Transform& transform : AllTransforms()) {
+    SCOPED_TRACE(transform.Description());
+    ASSERT_TRUE(transform.Validate().ok()) << transform.Validate();
+    EXPECT_NEAR(transform.Linear(transform.at), transform.at, 1e-12);
+    EXPECT_NEAR(transform.Slope(transform.at), 1.0, 1e-12);
+  }
+}
+
+// There and back, rising, and the slope is that of differences.
+TEST(TransformTest, EachHasItsInverseAndItsSlope) {
+  for (const Transform& transform : AllTransforms()) {
+    SCOPED_TRACE(transform.Description());
+    double before = -1e300;
+    for (double x = 1.5; x < 99.0; x += 7.0) {
+      const double z = transform.Linear(x);
+      EXPECT_NEAR(transform.Engineering(z), x, 1e-10 * std::abs(x));
+      EXPECT_GT(z, before);
+      before = z;
+      constexpr double kStep = 1e-5;
+      const double slope = (transform.Linear(x + kStep) - z) / kStep;
+      EXPECT_NEAR(transform.Slope(x), slope, 1e-4 * slope);
+    }
+  }
+}
+
+TEST(TransformTest, AnEqualPercentageValveMultipliesItsGainByItsRangeability) {
+  const Transform valve = EqualPercentage();
+  EXPECT_NEAR(valve.Slope(100.0) / valve.Slope(0.0), 50.0, 1e-10);
+}
+
+TEST(TransformTest, BeyondItsPointsACurveGoesStraightOn) {
+  const Transform pieces = AllTransforms().back();
+  EXPECT_NEAR(pieces.Slope(-50.0), pieces.Slope(1.0), 1e-12);
+  EXPECT_NEAR(pieces.Slope(500.0), pieces.Slope(99.0), 1e-12);
+  EXPECT_NEAR(pieces.Engineering(pieces.Linear(500.0)), 500.0, 1e-9);
+}
+
+TEST(TransformTest, ValuesWithoutALogarithmHaveNone) {
+  Transform logarithm;
+  logarithm.kind = TransformKind::kLogarithm;
+  logarithm.at = 2.0;
+  EXPECT_TRUE(logarithm.Holds(1e-9));
+  for (const double x : {0.0, -1.0}) {
+    EXPECT_FALSE(logarithm.Holds(x));
+    EXPECT_TRUE(std::isnan(logarithm.Linear(x)));
+    EXPECT_TRUE(std::isnan(logarithm.Slope(x)));
+  }
+  // What no value gives.
+  EXPECT_TRUE(std::isnan(EqualPercentage().Engineering(-1e6)));
+}
+
+TEST(TransformTest, WhatIsWrongIsNamed) {
+  const auto fault = [](const Transform& transform) {
+    return std::string(transform.Validate().message());
+  };
+  Transform pieces = AllTransforms().back();
+  pieces.points[2].second = 5.0;
+  EXPECT_NE(fault(pieces).find("points[2] = [60, 5] after [20, 5]: both "
+                               "numbers must rise"),
+            std::string::npos)
+      << fault(pieces);
+  Transform logarithm;
+  logarithm.kind = TransformKind::kLogarithm;
+  EXPECT_NE(fault(logarithm).find("at = 0"), std::string::npos);
+  Transform valve = EqualPercentage();
+  valve.rangeability = 1.0;
+  EXPECT_NE(fault(valve).find("rangeability = 1"), std::string::npos);
+  valve = EqualPercentage();
+  valve.high = -1.0;
+  EXPECT_NE(fault(valve).find("open must be above closed"), std::string::npos);
+  Transform power;
+  power.kind = TransformKind::kPower;
+  power.at = 1.0;
+  EXPECT_NE(fault(power).find("exponent = 0"), std::string::npos);
+}
+
+// Wood and Berry's column with a valve in the reflux and a logarithm of the
+// distillate: at another point gains are times the slopes.
+TEST(TransformTest, AtAPointTheModelIsLinear) {
+  ProcessModel model("m", "min", {{"reflux", "%"}, {"steam", "%"}},
+                     {{"top", "%"}});
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 10.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 5.0, 2.0);
+  model.set_input_transform(0, EqualPercentage());
+  Transform logarithm;
+  logarithm.kind = TransformKind::kLogarithm;
+  logarithm.at = 4.0;
+  model.set_output_transform(0, logarithm);
+  ASSERT_TRUE(HasTransforms(model));
+  const auto linear = LinearAt(model, Eigen::Vector2d(60.0, 7.0),
+                               Eigen::VectorXd::Constant(1, 2.0));
+  ASSERT_TRUE(linear.ok()) << linear.status();
+  EXPECT_FALSE(HasTransforms(*linear));
+  const double valve = std::pow(50.0, (60.0 - 40.0) / 100.0);
+  EXPECT_NEAR(linear->element(0, 0).StaticGain(), 2.0 * valve / 2.0, 1e-12);
+  EXPECT_NEAR(linear->element(0, 1).StaticGain(), -3.0 / 2.0, 1e-12);
+  EXPECT_EQ(linear->element(0, 1).delay(), 2.0);
+  const auto outside = LinearAt(model, Eigen::Vector2d(60.0, 7.0),
+                                Eigen::VectorXd::Constant(1, -2.0));
+  EXPECT_NE(outside.status().message().find("top = -2: its transform"),
+            std::string::npos)
+      << outside.status();
+}
+
+TEST(TransformTest, TheJsonFormComesBackWhole) {
+  const std::vector<Transform> all = AllTransforms();
+  for (const Transform& transform : all) {
+    SCOPED_TRACE(transform.Description());
+    ProcessModel model("m", "min", {{"valve", "%"}}, {{"level", "m"}});
+    model.element(0, 0) = TransferFunction::FirstOrder(2.0, 10.0, 1.0);
+    model.set_input_transform(0, transform);
+    model.set_output_transform(0, transform);
+    const auto read = ParseProcessModel(FormatProcessModel(model), "m.json");
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->inputs()[0].transform, transform);
+    EXPECT_EQ(read->outputs()[0].transform, transform);
+  }
+}
+
+TEST(TransformTest, AFileThatIsWrongSaysWhere) {
+  const auto fault = [](const std::string& transform) {
+    const std::string text =
+        R"({"name": "m", "time_unit": "min", "inputs": [{"name": "valve",
+        "unit": "%", "transform": )" +
+        transform + R"(}], "outputs": [{"name": "level", "unit": "m"}],
+        "elements": []})";
+    return std::string(ParseProcessModel(text, "m.json").status().message());
+  };
+  EXPECT_NE(fault(R"({"kind": "cubic", "at": 1})")
+                .find("inputs[0].transform.kind: is \"cubic\", must be one of "
+                      "exponential, equal_percentage"),
+            std::string::npos)
+      << fault(R"({"kind": "cubic", "at": 1})");
+  EXPECT_NE(fault(R"({"kind": "log"})").find("at"), std::string::npos);
+  EXPECT_NE(fault(R"({"kind": "log", "at": 0})").find("at = 0"),
+            std::string::npos);
+  EXPECT_NE(fault(R"("log")").find("must be an object with kind"),
+            std::string::npos);
+  EXPECT_NE(fault(R"({"kind": "piecewise_linear", "at": 1, "points": [[1]]})")
+                .find("a point has two"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace mle
