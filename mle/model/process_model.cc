@@ -1,6 +1,7 @@
 #include "mle/model/process_model.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <set>
 #include <utility>
 
@@ -36,6 +37,11 @@ absl::Status AddNames(const std::vector<Channel>& channels, const char* kind,
           kind, "s[", i, "]: name \"", name,
           "\" is used already; the names of inputs and outputs must differ");
     }
+    if (const absl::Status status = channels[i].transform.Validate();
+        !status.ok()) {
+      return InvalidArgument(kind, " \"", name,
+                             "\": transform: ", status.message());
+    }
   }
   return absl::OkStatus();
 }
@@ -57,6 +63,23 @@ absl::Status CheckSameNames(const std::vector<Channel>& a,
     }
   }
   return absl::OkStatus();
+}
+
+// dz/dx of each channel at these values.
+template <typename Channel>
+absl::StatusOr<Eigen::VectorXd> SlopesAt(const std::vector<Channel>& channels,
+                                         const Eigen::VectorXd& values) {
+  Eigen::VectorXd slopes(values.size());
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const auto place = static_cast<Eigen::Index>(i);
+    slopes[place] = channels[i].transform.Slope(values[place]);
+    if (!(slopes[place] > 0.0)) {
+      return InvalidArgument(
+          channels[i].name, " = ", values[place], ": its transform (",
+          channels[i].transform.Description(), ") has no value there");
+    }
+  }
+  return slopes;
 }
 
 }  // namespace
@@ -148,6 +171,42 @@ bool IsIntegrating(const ProcessModel& model) {
 
 bool IsIntegrating(const ProcessModel& model, int output) {
   return (IntegrationOrders(model).row(output).array() > 0).any();
+}
+
+bool HasTransforms(const ProcessModel& model) {
+  const auto has = [](const auto& channels) {
+    return std::any_of(
+        channels.begin(), channels.end(),
+        [](const auto& channel) { return !channel.transform.IsNone(); });
+  };
+  return has(model.inputs()) || has(model.outputs());
+}
+
+ProcessModel WithoutTransforms(ProcessModel model) {
+  for (int j = 0; j < model.num_inputs(); ++j) model.set_input_transform(j, {});
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    model.set_output_transform(i, {});
+  }
+  return model;
+}
+
+absl::StatusOr<ProcessModel> LinearAt(const ProcessModel& model,
+                                      const Eigen::VectorXd& inputs,
+                                      const Eigen::VectorXd& outputs) {
+  MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd input_slopes,
+                       SlopesAt(model.inputs(), inputs));
+  MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd output_slopes,
+                       SlopesAt(model.outputs(), outputs));
+  ProcessModel linear = WithoutTransforms(model);
+  for (const auto& [i, j] : Pairs(model)) {
+    const TransferFunction& g = model.element(i, j);
+    if (g.IsZero()) continue;
+    std::vector<double> numerator = g.numerator();
+    for (double& b : numerator) b *= input_slopes[j] / output_slopes[i];
+    linear.element(i, j) =
+        TransferFunction(std::move(numerator), g.denominator(), g.delay());
+  }
+  return linear;
 }
 
 int NumElements(const ProcessModel& model) {

@@ -1,7 +1,9 @@
 // A process model: a p × m matrix of transfer functions with named inputs and
 // outputs,
 //
-//   y_i(s) = Σ_j g_ij(s) u_j(s).
+//   y_i(s) = Σ_j g_ij(s) u_j(s),
+//
+// between transformed variables where a channel has a transform (transform.h).
 //
 // The JSON form is described in docs/formats.md:
 //
@@ -14,6 +16,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
@@ -21,6 +24,7 @@
 #include "absl/status/statusor.h"
 #include "mle/model/step_response.h"
 #include "mle/model/transfer_function.h"
+#include "mle/model/transform.h"
 
 namespace mle {
 
@@ -54,12 +58,14 @@ struct InputChannel {
   std::string unit;
   InputRole role = InputRole::kManipulated;
   Sampling sampling = {};
+  Transform transform = {};
 };
 
 struct OutputChannel {
   std::string name;
   std::string unit;
   Sampling sampling = {};
+  Transform transform = {};
 };
 
 class ProcessModel {
@@ -71,13 +77,19 @@ class ProcessModel {
                std::vector<OutputChannel> outputs);
 
   // At least one input and output, names not empty and distinct over inputs
-  // and outputs, every element valid.
+  // and outputs, every element and transform valid.
   absl::Status Validate() const;
 
   const std::string& name() const { return name_; }
   const std::string& time_unit() const { return time_unit_; }
   const std::vector<InputChannel>& inputs() const { return inputs_; }
   const std::vector<OutputChannel>& outputs() const { return outputs_; }
+  void set_input_transform(int input, Transform transform) {
+    inputs_[input].transform = std::move(transform);
+  }
+  void set_output_transform(int output, Transform transform) {
+    outputs_[output].transform = std::move(transform);
+  }
   int num_inputs() const { return static_cast<int>(inputs_.size()); }
   int num_outputs() const { return static_cast<int>(outputs_.size()); }
 
@@ -109,6 +121,16 @@ Eigen::MatrixXd StaticGains(const ProcessModel& model);
 
 // p × m: orders of integration ν_ij, 0 or 1.
 Eigen::MatrixXi IntegrationOrders(const ProcessModel& model);
+// A channel has a transform.
+bool HasTransforms(const ProcessModel& model);
+// The model without them, linear at this operating point: gains times the
+// slopes of inputs over those of outputs. InvalidArgument where a value has no
+// transform; names the channel.
+absl::StatusOr<ProcessModel> LinearAt(const ProcessModel& model,
+                                      const Eigen::VectorXd& inputs,
+                                      const Eigen::VectorXd& outputs);
+// The same where each transform has the slope 1: elements as they are.
+ProcessModel WithoutTransforms(ProcessModel model);
 // The elements that are not zero.
 int NumElements(const ProcessModel& model);
 // An element integrates: of the model, of an output; p of them.

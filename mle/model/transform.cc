@@ -1,0 +1,261 @@
+#include "mle/model/transform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/base/double_limits.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+// Beyond these exponents double precision holds no curve.
+constexpr double kMostExponent = 100.0;
+constexpr double kMostRangeability = 1e6;
+
+// c of the two kinds that are exponentials.
+double CurvatureOf(const Transform& transform) {
+  return transform.kind == TransformKind::kExponential
+             ? transform.curvature
+             : std::log(transform.rangeability) /
+                   (transform.high - transform.low);
+}
+
+double ExponentOf(const Transform& transform) {
+  return transform.kind == TransformKind::kQuickOpening ? 0.5
+                                                        : transform.exponent;
+}
+
+// x₀ of logarithms and powers.
+double ZeroOf(const Transform& transform) {
+  return transform.kind == TransformKind::kQuickOpening ? transform.low
+                                                        : transform.zero;
+}
+
+// The segment that holds `value` (of x: first, of f: second), the outer ones
+// beyond the ends; at a knot the one to the right.
+template <double std::pair<double, double>::*kField>
+std::size_t SegmentOf(const std::vector<std::pair<double, double>>& points,
+                      double value) {
+  std::size_t segment = 0;
+  while (segment + 2 < points.size() && value >= points[segment + 1].*kField) {
+    ++segment;
+  }
+  return segment;
+}
+
+double SlopeOf(const std::vector<std::pair<double, double>>& points,
+               std::size_t segment) {
+  return (points[segment + 1].second - points[segment].second) /
+         (points[segment + 1].first - points[segment].first);
+}
+
+// f(x) of a piecewise-linear transform.
+double Interpolated(const std::vector<std::pair<double, double>>& points,
+                    double x) {
+  const std::size_t s = SegmentOf<&std::pair<double, double>::first>(points, x);
+  return points[s].second + SlopeOf(points, s) * (x - points[s].first);
+}
+
+double SlopeAt(const std::vector<std::pair<double, double>>& points, double x) {
+  return SlopeOf(points,
+                 SegmentOf<&std::pair<double, double>::first>(points, x));
+}
+
+absl::Status CheckPoints(const Transform& transform) {
+  const auto& points = transform.points;
+  if (points.size() < 2) {
+    return InvalidArgument("points has ", points.size(),
+                           ", a curve needs at least 2");
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!std::isfinite(points[i].first) || !std::isfinite(points[i].second)) {
+      return InvalidArgument("points[", i, "] is not finite");
+    }
+    if (i == 0) continue;
+    const auto& [x, f] = points[i];
+    const auto& [x_before, f_before] = points[i - 1];
+    if (!(x > x_before) || !(f > f_before)) {
+      return InvalidArgument(
+          "points[", i, "] = [", x, ", ", f, "] after [", x_before, ", ",
+          f_before,
+          "]: both numbers must rise from point to point (a curve "
+          "that falls is a negative gain of the elements)");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCharacteristic(const Transform& transform) {
+  if (!(transform.high > transform.low) || !std::isfinite(transform.high) ||
+      !std::isfinite(transform.low)) {
+    return InvalidArgument("closed at ", transform.low, " and open at ",
+                           transform.high,
+                           ": open must be above closed, both finite");
+  }
+  if (transform.kind == TransformKind::kEqualPercentage &&
+      (!(transform.rangeability > 1.0) ||
+       transform.rangeability > kMostRangeability)) {
+    return InvalidArgument("rangeability = ", transform.rangeability,
+                           ": it must be above 1, ", kMostRangeability,
+                           " at most");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Transform::Validate() const {
+  if (IsNone()) return absl::OkStatus();
+  if (!std::isfinite(at)) return InvalidArgument("at = ", at, " is not finite");
+  switch (kind) {
+    case TransformKind::kExponential:
+      if (!std::isfinite(curvature) || curvature == 0.0) {
+        return InvalidArgument("curvature = ", curvature,
+                               ": it must be finite and not 0");
+      }
+      break;
+    case TransformKind::kEqualPercentage:
+    case TransformKind::kQuickOpening:
+      MLE_RETURN_IF_ERROR(CheckCharacteristic(*this));
+      break;
+    case TransformKind::kPower:
+      if (!(std::abs(exponent) <= kMostExponent) || exponent == 0.0) {
+        return InvalidArgument("exponent = ", exponent,
+                               ": it must not be 0, and from -", kMostExponent,
+                               " to ", kMostExponent);
+      }
+      break;
+    case TransformKind::kPiecewiseLinear:
+      return CheckPoints(*this);
+    default:
+      break;
+  }
+  if (!std::isfinite(zero)) {
+    return InvalidArgument("zero = ", zero, " is not finite");
+  }
+  if (!(at > LowerBound())) {
+    return InvalidArgument("at = ", at, ": it must be above ", LowerBound(),
+                           ", where the transform has no value");
+  }
+  return absl::OkStatus();
+}
+
+double Transform::LowerBound() const {
+  switch (kind) {
+    case TransformKind::kLogarithm:
+    case TransformKind::kPower:
+    case TransformKind::kQuickOpening:
+      return ZeroOf(*this);
+    default:
+      return -kInfinity;
+  }
+}
+
+double Transform::Linear(double x) const {
+  if (!(x > LowerBound())) return IsNone() ? x : kNaN;
+  switch (kind) {
+    case TransformKind::kNone:
+      return x;
+    case TransformKind::kExponential:
+    case TransformKind::kEqualPercentage: {
+      const double c = CurvatureOf(*this);
+      return at + std::expm1(c * (x - at)) / c;
+    }
+    case TransformKind::kLogarithm: {
+      const double distance = at - zero;
+      return at + distance * std::log((x - zero) / distance);
+    }
+    case TransformKind::kPower:
+    case TransformKind::kQuickOpening: {
+      const double distance = at - ZeroOf(*this);
+      const double n = ExponentOf(*this);
+      return at + distance / n *
+                      std::expm1(n * std::log((x - ZeroOf(*this)) / distance));
+    }
+    case TransformKind::kPiecewiseLinear:
+      return at + (Interpolated(points, x) - Interpolated(points, at)) /
+                      SlopeAt(points, at);
+  }
+  return kNaN;
+}
+
+double Transform::Engineering(double z) const {
+  switch (kind) {
+    case TransformKind::kNone:
+      return z;
+    case TransformKind::kExponential:
+    case TransformKind::kEqualPercentage: {
+      const double c = CurvatureOf(*this);
+      return at + std::log1p(c * (z - at)) / c;
+    }
+    case TransformKind::kLogarithm: {
+      const double distance = at - zero;
+      return zero + distance * std::exp((z - at) / distance);
+    }
+    case TransformKind::kPower:
+    case TransformKind::kQuickOpening: {
+      const double distance = at - ZeroOf(*this);
+      const double n = ExponentOf(*this);
+      return ZeroOf(*this) +
+             distance * std::exp(std::log1p(n * (z - at) / distance) / n);
+    }
+    case TransformKind::kPiecewiseLinear: {
+      const double f =
+          Interpolated(points, at) + (z - at) * SlopeAt(points, at);
+      const std::size_t s =
+          SegmentOf<&std::pair<double, double>::second>(points, f);
+      return points[s].first + (f - points[s].second) / SlopeOf(points, s);
+    }
+  }
+  return kNaN;
+}
+
+double Transform::Slope(double x) const {
+  if (!(x > LowerBound())) return IsNone() ? 1.0 : kNaN;
+  switch (kind) {
+    case TransformKind::kNone:
+      return 1.0;
+    case TransformKind::kExponential:
+    case TransformKind::kEqualPercentage:
+      return std::exp(CurvatureOf(*this) * (x - at));
+    case TransformKind::kLogarithm:
+      return (at - zero) / (x - zero);
+    case TransformKind::kPower:
+    case TransformKind::kQuickOpening:
+      return std::pow((x - ZeroOf(*this)) / (at - ZeroOf(*this)),
+                      ExponentOf(*this) - 1.0);
+    case TransformKind::kPiecewiseLinear:
+      return SlopeAt(points, x) / SlopeAt(points, at);
+  }
+  return kNaN;
+}
+
+std::string Transform::Description() const {
+  switch (kind) {
+    case TransformKind::kNone:
+      return "none";
+    case TransformKind::kExponential:
+      return absl::StrFormat("exponential, curvature %.4g", curvature);
+    case TransformKind::kEqualPercentage:
+      return absl::StrFormat("equal percentage, rangeability %.4g",
+                             rangeability);
+    case TransformKind::kLogarithm:
+      return zero == 0.0 ? std::string("logarithm")
+                         : absl::StrFormat("logarithm above %.4g", zero);
+    case TransformKind::kPower:
+      return zero == 0.0
+                 ? absl::StrFormat("power %.4g", exponent)
+                 : absl::StrFormat("power %.4g above %.4g", exponent, zero);
+    case TransformKind::kQuickOpening:
+      return absl::StrFormat("quick opening from %.4g", low);
+    case TransformKind::kPiecewiseLinear:
+      return absl::StrCat("piecewise linear, ", points.size(), " points");
+  }
+  return "";
+}
+
+}  // namespace mle
