@@ -70,10 +70,7 @@ std::string DescribeElement(const Result& result, int i, int j,
         .norm();
   };
   const ElementValues before = response->initial_values();
-  ElementValues after = before;
-  after.gain = element.gain.value;
-  if (response->has_time_scale()) after.time_scale = element.time_scale.value;
-  after.delay = element.delay.value;
+  const ElementValues after = element.values();
   const double all = change(after);
   double most = 0.0;
   Part carries = Part::kGain;

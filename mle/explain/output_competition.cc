@@ -9,10 +9,8 @@
 
 #include "Eigen/QR"
 #include "mle/base/status.h"
-#include "mle/data/sampling.h"
 #include "mle/explain/feedback.h"
 #include "mle/explain/held_out_errors.h"
-#include "mle/explain/several_steps.h"
 
 namespace mle {
 namespace {
@@ -42,13 +40,6 @@ constexpr double kFewestIndependent = 2.0;
 constexpr double kWithoutSetPoints = 2.0;
 // The evidence of one hypothesis, which is not the best of a table: 5 %.
 constexpr double kExpected = 3.0;
-// By which errors held out have to fall at every horizon for a fit of all
-// elements at once, and in place of fewer changes that won.
-constexpr double kFarBetter = 0.7;
-constexpr double kHalf = 0.5;
-// The share of a sample by which means of what lies between samples shift it,
-// with what they seem to.
-constexpr double kMostOfSample = 0.75;
 // An energy below this share of the model's is rounding: no placebo shows
 // anything.
 constexpr double kRounding = 1e-20;
@@ -64,31 +55,6 @@ std::vector<Explanation> Without(const std::vector<Explanation>& from,
 bool HasNothing(ExplanationKind kind) {
   return kind != ExplanationKind::kRateLimit &&
          kind != ExplanationKind::kReversed;
-}
-
-// Whether errors held out are smaller at every horizon, by this factor, than
-// without what explains them and than by `others`, which may be none.
-bool AllFall(const std::vector<HorizonErrors>& errors,
-             const std::vector<HorizonErrors>& others, double factor) {
-  for (std::size_t h = 0; h < errors.size(); ++h) {
-    double before = errors[h].initial;
-    if (h < others.size()) before = std::min(before, others[h].explained);
-    if (!(errors[h].explained < factor * before)) return false;
-  }
-  return !errors.empty();
-}
-
-// The squares of errors held out several steps ahead, in those of the model as
-// it is, summed over the horizons; nothing won where there are none.
-double Squares(const std::vector<HorizonErrors>& held_out) {
-  double sum = 0.0;
-  for (std::size_t h = 0; h < kStepsAhead.size(); ++h) {
-    const bool known = h < held_out.size() && held_out[h].horizon > 0.0;
-    const double share =
-        known ? held_out[h].explained / held_out[h].initial : 1.0;
-    sum += std::min(1.0, share * share);
-  }
-  return sum;
 }
 
 bool Contains(const std::vector<Explanation>& explanations,
@@ -235,7 +201,11 @@ double OutputCompetition::EvidenceFor(const Explanation& explanation) const {
   const bool expected = OpenLoop() && options_.expected.size() > 0 &&
                         IsAgeing(explanation.kind) &&
                         options_.expected(output_.output(), explanation.index);
-  return expected ? std::min(kExpected, options_.evidence) : options_.evidence;
+  return expected ? EvidenceOfOne() : options_.evidence;
+}
+
+double OutputCompetition::EvidenceOfOne() const {
+  return std::min(kExpected, options_.evidence);
 }
 
 OutputCompetition::Chance OutputCompetition::ChanceOf(
@@ -373,61 +343,6 @@ void OutputCompetition::FindTies() {
       const double near = elements ? kElements * unit_ : kTie * CostOf(chance_);
       if (fit.score - score < near) ties_.push_back({all[i], rival});
     }
-  }
-}
-
-// The dead time of the only element is as well a clock's, by what averages
-// between samples that are measured make it.
-void OutputCompetition::TakeForClock() {
-  if (output_.inputs().size() != 1) return;
-  const int every = MeasuredEvery(output_.records(), output_.output());
-  const double most =
-      (every > 1 ? every : kMostOfSample) * output_.sample_time();
-  const ElementValues& before = output_.values(output_.inputs().front());
-  const double change =
-      output_.Aged(output_.inputs().front(), Explanations()).delay -
-      before.delay;
-  for (TakenExplanation& one : taken_) {
-    if (!one.explanation.SameAs(
-            {ExplanationKind::kDeadTime, output_.inputs().front()}) ||
-        !(std::abs(change) <= most)) {
-      continue;
-    }
-    one.explanation = {ExplanationKind::kOutputClock, output_.output(),
-                       change / (0.5 * output_.tau())};
-  }
-}
-
-void OutputCompetition::FitTogether() {
-  const bool answered = feedback_p_value_.has_value() && !OpenLoop();
-  if (answered || (OpenLoop() && !(energy_ > kMuchLeft * chance_))) return;
-  // Where nothing is answered any fall is enough.
-  const double enough = OpenLoop() ? 1.0 : kFarBetter;
-  const SeveralSteps several_steps(output_, instruments_);
-  for (const bool second_lags : {true, false}) {
-    SeveralStepsFit fit =
-        several_steps.Best(second_lags, enough * enough * Squares(held_out_));
-    const double energy = Energy(fit.explanations);
-    const Chance chance = ChanceOf({fit.explanations}, directions_);
-    const double evidence = EvidenceOf(energy_ - energy, chance.unit);
-    const bool more = !OpenLoop() && !taken_.empty() &&
-                      fit.explanations.size() > taken_.size();
-    if (!(evidence > std::min(kExpected, options_.evidence)) ||
-        !AllFall(fit.held_out, held_out_, more ? kHalf : enough)) {
-      continue;
-    }
-    together_ = true;
-    held_out_ = std::move(fit.held_out);
-    covariance_together_ = std::move(fit.covariance);
-    taken_.clear();
-    ties_.clear();
-    for (const Explanation& one : fit.explanations) {
-      taken_.push_back({one, 0.0, evidence});
-    }
-    energy_ = energy;
-    chance_ = chance.energy;
-    unit_ = chance.unit;
-    return;
   }
 }
 

@@ -82,6 +82,8 @@ class OutputCompetition {
   bool OpenLoop() const;
   // The evidence that is asked for of an explanation.
   double EvidenceFor(const Explanation& explanation) const;
+  // Of one hypothesis, which is not the best of a table.
+  double EvidenceOfOne() const;
   // The fall of E that has the evidence asked for, in M.
   double Required() const;
   // The best explanation more, and M of what it leaves; nothing where there is

@@ -1,5 +1,6 @@
-// What is told of an output once the competition is over: standard errors,
-// hold-out validation, ties, and the change of a gain that would have shown.
+// What is told of an output once the competition is over: whether a dead time
+// may be a clock's, standard errors, hold-out validation, ties, and the change
+// of a gain that would have shown.
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "Eigen/Cholesky"
+#include "mle/data/sampling.h"
 #include "mle/explain/output_competition.h"
 
 namespace mle {
@@ -14,9 +16,34 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
+
+// The share of a sample by which means of what lies between samples shift it,
+// with what they seem to.
+constexpr double kMostOfSample = 0.75;
 
 }  // namespace
+
+// The dead time of the only element is as well a clock's, by what averages
+// between samples that are measured make it.
+void OutputCompetition::TakeForClock() {
+  if (output_.inputs().size() != 1) return;
+  const int every = MeasuredEvery(output_.records(), output_.output());
+  const double most =
+      (every > 1 ? every : kMostOfSample) * output_.sample_time();
+  const ElementValues& before = output_.values(output_.inputs().front());
+  const double change =
+      output_.Aged(output_.inputs().front(), Explanations()).delay -
+      before.delay;
+  for (TakenExplanation& one : taken_) {
+    if (!one.explanation.SameAs(
+            {ExplanationKind::kDeadTime, output_.inputs().front()}) ||
+        !(std::abs(change) <= most)) {
+      continue;
+    }
+    one.explanation = {ExplanationKind::kOutputClock, output_.output(),
+                       change / (0.5 * output_.tau())};
+  }
+}
 
 MatrixXd OutputCompetition::CovarianceOfTheta() const {
   if (together_) return covariance_together_;

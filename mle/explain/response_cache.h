@@ -4,7 +4,6 @@
 #ifndef MLE_EXPLAIN_RESPONSE_CACHE_H_
 #define MLE_EXPLAIN_RESPONSE_CACHE_H_
 
-#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -13,11 +12,28 @@
 
 namespace mle {
 
-// What a response for a gain of 1 depends on: T, L, the second lag, the lead,
-// the ratio of the lag downwards; the input's curve, rate, backlash, limit,
-// load with set points and its part; the time of an average; and the shape,
-// plus one, of a gain that changes during the record.
-using ResponseKey = std::array<double, 13>;
+// What a response for a gain of 1 depends on. As it is: an element of the model
+// without explanations.
+struct ResponseKey {
+  double time_scale = 1.0;  // T
+  double delay = 0.0;       // L, < 0 where a clock is ahead
+  double second_lag = 0.0;
+  double lead = 0.0;
+  double falling = 1.0;  // the lag downwards, in that upwards
+  // Of the input, θ of each explanation; 0: none.
+  double curve = 0.0;
+  double slowness = 0.0;  // τ over the full range, at the limit of the rate
+  double backlash = 0.0;
+  double limit = 0.0;
+  double load = 0.0;  // with set points
+  int load_part = 0;  // which (Explanation::part)
+  // Samples of an average; 0: none.
+  double average = 0.0;
+  // The shape of a gain that changes during the record; −1: none.
+  int change = -1;
+
+  bool operator==(const ResponseKey&) const = default;
+};
 // A part of z: `gain` times the response of an element.
 struct ResponsePart {
   int element = 0;

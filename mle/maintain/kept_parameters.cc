@@ -102,13 +102,8 @@ void KeepUnchanged(OutputErrorFit& fit, int output) {
     if (element.state != ElementState::kFitted) continue;
     const auto response = ElementResponse::Create(fit.model.element(output, j));
     if (!response.ok()) continue;
-    ElementValues values = response->initial_values();
-    values.gain = element.gain.value;
-    values.delay = element.delay.value;
-    if (response->has_time_scale()) {
-      values.time_scale = element.time_scale.value;
-    }
-    fit.model.element(output, j) = response->ToTransferFunction(values);
+    fit.model.element(output, j) =
+        response->ToTransferFunction(element.values());
   }
 }
 

@@ -208,6 +208,8 @@ enum class ElementState {
   kFitted,
 };
 
+struct ElementValues;  // element_response.h
+
 struct ElementEstimate {
   ElementState state = ElementState::kAbsent;
   ParameterEstimate gain;
@@ -217,6 +219,9 @@ struct ElementEstimate {
   // The change of the gain that the test of no change finds nine times of ten,
   // by what the records say of offsets and drift; infinite if not fitted.
   double detectable_gain = std::numeric_limits<double>::infinity();
+
+  // K, T and L as estimated; T is 1 where there is no lag.
+  ElementValues values() const;
 };
 
 // All elements of one model, fitted or held.

@@ -96,6 +96,12 @@ double NoiseEstimate::colour_memory() const {
   return colour_ratio > 0.0 ? -1.0 / std::log(colour_pole) : 0.0;
 }
 
+ElementValues ElementEstimate::values() const {
+  return {.gain = gain.value,
+          .time_scale = time_scale.value > 0.0 ? time_scale.value : 1.0,
+          .delay = delay.value};
+}
+
 StepResponse OutputErrorFit::StepResponseErrors(double sample_time,
                                                 int samples) const {
   const int m = model.num_inputs();
@@ -106,14 +112,8 @@ StepResponse OutputErrorFit::StepResponseErrors(double sample_time,
       if (estimate.state != ElementState::kFitted) continue;
       const auto response = ElementResponse::Create(model.element(i, j));
       if (!response.ok()) continue;  // A gain of exactly 0 has no shape.
-      ElementValues values = response->initial_values();
-      values.gain = estimate.gain.value;
-      values.delay = estimate.delay.value;
-      if (response->has_time_scale()) {
-        values.time_scale = estimate.time_scale.value;
-      }
       const MatrixXd columns =
-          StepDerivatives(*response, values, sample_time, samples);
+          StepDerivatives(*response, estimate.values(), sample_time, samples);
       const MatrixXd own = covariances[i].block(3 * j, 3 * j, 3, 3);
       errors.element(i, j) = (columns * own)
                                  .cwiseProduct(columns)
