@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
+#include "mle/model/transform_json.h"
 
 namespace mle {
 namespace {
@@ -45,7 +46,8 @@ absl::StatusOr<Sampling> ParseSampling(const JsonNode& node, bool is_output) {
 }
 
 absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"role", "sampling"}));
+  MLE_RETURN_IF_ERROR(
+      node.CheckKeys({"name", "unit"}, {"role", "sampling", "transform"}));
   InputChannel input;
   MLE_ASSIGN_OR_RETURN(input.name, node.At("name").String());
   MLE_ASSIGN_OR_RETURN(input.unit, node.At("unit").String());
@@ -62,17 +64,25 @@ absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
     MLE_ASSIGN_OR_RETURN(input.sampling,
                          ParseSampling(node.At("sampling"), false));
   }
+  if (node.Has("transform")) {
+    MLE_ASSIGN_OR_RETURN(input.transform, ParseTransform(node.At("transform")));
+  }
   return input;
 }
 
 absl::StatusOr<OutputChannel> ParseOutput(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"sampling"}));
+  MLE_RETURN_IF_ERROR(
+      node.CheckKeys({"name", "unit"}, {"sampling", "transform"}));
   OutputChannel output;
   MLE_ASSIGN_OR_RETURN(output.name, node.At("name").String());
   MLE_ASSIGN_OR_RETURN(output.unit, node.At("unit").String());
   if (node.Has("sampling")) {
     MLE_ASSIGN_OR_RETURN(output.sampling,
                          ParseSampling(node.At("sampling"), true));
+  }
+  if (node.Has("transform")) {
+    MLE_ASSIGN_OR_RETURN(output.transform,
+                         ParseTransform(node.At("transform")));
   }
   return output;
 }
@@ -110,6 +120,12 @@ std::string FormatSampling(const Sampling& sampling) {
   }
   if (keys.empty()) return "";
   return absl::StrCat(", \"sampling\": {", absl::StrJoin(keys, ", "), "}");
+}
+
+// The key and its value, after a comma; empty where there is none.
+std::string TransformKey(const Transform& transform) {
+  if (transform.IsNone()) return "";
+  return absl::StrCat(", \"transform\": ", FormatTransform(transform));
 }
 
 }  // namespace
@@ -177,18 +193,19 @@ std::string FormatJsonObjects(const std::vector<std::string>& objects) {
 std::string FormatChannels(const ProcessModel& model) {
   std::vector<std::string> inputs;
   for (const InputChannel& input : model.inputs()) {
-    inputs.push_back(absl::StrCat("\"name\": ", QuotedJson(input.name),
-                                  ", \"unit\": ", QuotedJson(input.unit),
-                                  input.role == InputRole::kDisturbance
-                                      ? ", \"role\": \"disturbance\""
-                                      : "",
-                                  FormatSampling(input.sampling)));
+    inputs.push_back(absl::StrCat(
+        "\"name\": ", QuotedJson(input.name),
+        ", \"unit\": ", QuotedJson(input.unit),
+        input.role == InputRole::kDisturbance ? ", \"role\": \"disturbance\""
+                                              : "",
+        FormatSampling(input.sampling), TransformKey(input.transform)));
   }
   std::vector<std::string> outputs;
   for (const OutputChannel& output : model.outputs()) {
     outputs.push_back(absl::StrCat("\"name\": ", QuotedJson(output.name),
                                    ", \"unit\": ", QuotedJson(output.unit),
-                                   FormatSampling(output.sampling)));
+                                   FormatSampling(output.sampling),
+                                   TransformKey(output.transform)));
   }
   return absl::StrCat("  \"name\": ", QuotedJson(model.name()),
                       ",\n  \"time_unit\": ", QuotedJson(model.time_unit()),

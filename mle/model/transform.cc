@@ -137,26 +137,30 @@ absl::Status Transform::Validate() const {
   if (!std::isfinite(zero)) {
     return InvalidArgument("zero = ", zero, " is not finite");
   }
-  if (!(at > LowerBound())) {
-    return InvalidArgument("at = ", at, ": it must be above ", LowerBound(),
+  if (!Holds(at)) {
+    return InvalidArgument("at = ", at, ": it must not be at ", ZeroOf(*this),
                            ", where the transform has no value");
+  }
+  if (kind == TransformKind::kQuickOpening && !(at > low)) {
+    return InvalidArgument("at = ", at, ": it must be above ", low,
+                           ", where the valve is closed");
   }
   return absl::OkStatus();
 }
 
-double Transform::LowerBound() const {
+bool Transform::Holds(double x) const {
   switch (kind) {
     case TransformKind::kLogarithm:
     case TransformKind::kPower:
     case TransformKind::kQuickOpening:
-      return ZeroOf(*this);
+      return (x - ZeroOf(*this)) / (at - ZeroOf(*this)) > 0.0;
     default:
-      return -kInfinity;
+      return !std::isnan(x);
   }
 }
 
 double Transform::Linear(double x) const {
-  if (!(x > LowerBound())) return IsNone() ? x : kNaN;
+  if (!Holds(x)) return kNaN;
   switch (kind) {
     case TransformKind::kNone:
       return x;
@@ -215,7 +219,7 @@ double Transform::Engineering(double z) const {
 }
 
 double Transform::Slope(double x) const {
-  if (!(x > LowerBound())) return IsNone() ? 1.0 : kNaN;
+  if (!Holds(x)) return kNaN;
   switch (kind) {
     case TransformKind::kNone:
       return 1.0;
@@ -245,11 +249,11 @@ std::string Transform::Description() const {
                              rangeability);
     case TransformKind::kLogarithm:
       return zero == 0.0 ? std::string("logarithm")
-                         : absl::StrFormat("logarithm above %.4g", zero);
+                         : absl::StrFormat("logarithm from %.4g", zero);
     case TransformKind::kPower:
       return zero == 0.0
                  ? absl::StrFormat("power %.4g", exponent)
-                 : absl::StrFormat("power %.4g above %.4g", exponent, zero);
+                 : absl::StrFormat("power %.4g from %.4g", exponent, zero);
     case TransformKind::kQuickOpening:
       return absl::StrFormat("quick opening from %.4g", low);
     case TransformKind::kPiecewiseLinear:

@@ -10,8 +10,8 @@
 //   exponential         e^{c x}, c ≠ 0
 //   equal percentage    the same, c = ln R / (h − l): a valve of rangeability
 //                       R > 1 whose input is l closed and h open
-//   logarithm           ln(x − x₀), x and a above x₀
-//   power               (x − x₀)^n, n ≠ 0, x and a above x₀
+//   logarithm           ln|x − x₀|, x and a on the same side of x₀
+//   power               |x − x₀|^n, n ≠ 0, x and a on the same side of x₀
 //   quick opening       the same, n = 1/2, x₀ = l: a valve closed at l
 //   piecewise linear    through points, straight on beyond the first and last
 //
@@ -60,8 +60,8 @@ struct Transform {
   double Engineering(double z) const;
   // dz/dx at x > 0; NaN where x has no z.
   double Slope(double x) const;
-  // Values x that have a z are above this; −∞ where all do.
-  double LowerBound() const;
+  // Whether x has a z: those on a's side of x₀.
+  bool Holds(double x) const;
 
   // "equal percentage, rangeability 50", for reports.
   std::string Description() const;
