@@ -10,7 +10,6 @@
 #include "Eigen/SVD"
 #include "absl/status/status.h"
 #include "mle/base/status.h"
-#include "mle/explain/signal_effects.h"
 
 namespace mle {
 namespace {

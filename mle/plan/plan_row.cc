@@ -22,12 +22,6 @@ constexpr double kLargestChange = 1.5;
 // Nothing is known of a parameter: a standard error of ten times its size.
 constexpr double kUnknown = 1e-2;
 
-SampledDelay DelayOf(double delay, double sample_time) {
-  const double samples = delay / sample_time;
-  const double whole = std::floor(samples);
-  return {static_cast<int>(whole), samples - whole};
-}
-
 }  // namespace
 
 absl::StatusOr<PlanRow> PlanRow::Create(const ProcessModel& plant, int output,
@@ -74,8 +68,8 @@ MatrixXd PlanRow::Sensitivities(const MatrixXd& inputs) const {
     const ElementValues& values = element.response.initial_values();
     const VectorXd input = inputs.row(element.input).transpose();
     element.response.Simulate(values.time_scale, sample_time_,
-                              DelayOf(values.delay, sample_time_), input, 0.0,
-                              columns);
+                              SampledDelayOf(values.delay, sample_time_), input,
+                              0.0, columns);
     sensitivities.row(first) = element.units(0) * columns.col(0).transpose();
     sensitivities.row(first + 1) = values.gain * columns.col(1).transpose();
     sensitivities.row(first + 2) =
