@@ -164,9 +164,9 @@ void LeaveOutColumns(const ProcessModel& before, const ProcessModel& after,
 
 void TakePart(const Channels& part, Request& request) {
   const ProcessModel whole = request.model;
-  request.model = PartOf(whole, part.outputs, part.inputs);
+  request.model = SelectPart(whole, part.outputs, part.inputs);
   if (request.truth.has_value()) {
-    request.truth = PartOf(*request.truth, part.outputs, part.inputs);
+    request.truth = SelectPart(*request.truth, part.outputs, part.inputs);
   }
   TakePart(part, whole, request.controller);
   LeaveOutColumns(whole, request.model, request.import.columns);

@@ -5,8 +5,9 @@
 
 namespace mle {
 
-ProcessModel PartOf(const ProcessModel& model, const std::vector<int>& outputs,
-                    const std::vector<int>& inputs) {
+ProcessModel SelectPart(const ProcessModel& model,
+                        const std::vector<int>& outputs,
+                        const std::vector<int>& inputs) {
   std::vector<InputChannel> of_inputs;
   std::vector<OutputChannel> of_outputs;
   for (const int j : inputs) of_inputs.push_back(model.inputs()[j]);
@@ -21,15 +22,15 @@ ProcessModel PartOf(const ProcessModel& model, const std::vector<int>& outputs,
   return part;
 }
 
-ProcessModel PartOf(const ProcessModel& model,
-                    const std::vector<int>& outputs) {
+ProcessModel SelectPart(const ProcessModel& model,
+                        const std::vector<int>& outputs) {
   std::vector<int> inputs(static_cast<std::size_t>(model.num_inputs()));
   std::iota(inputs.begin(), inputs.end(), 0);
-  return PartOf(model, outputs, inputs);
+  return SelectPart(model, outputs, inputs);
 }
 
 ProcessModel SelectOutput(const ProcessModel& model, int output) {
-  return PartOf(model, std::vector<int>{output});
+  return SelectPart(model, std::vector<int>{output});
 }
 
 Record SelectOutput(const Record& record, int output) {

@@ -13,10 +13,12 @@ namespace mle {
 
 // These outputs (of 0 … p − 1) and inputs (of 0 … m − 1) in this order, as a
 // model of its own.
-ProcessModel PartOf(const ProcessModel& model, const std::vector<int>& outputs,
-                    const std::vector<int>& inputs);
+ProcessModel SelectPart(const ProcessModel& model,
+                        const std::vector<int>& outputs,
+                        const std::vector<int>& inputs);
 // The same with all inputs.
-ProcessModel PartOf(const ProcessModel& model, const std::vector<int>& outputs);
+ProcessModel SelectPart(const ProcessModel& model,
+                        const std::vector<int>& outputs);
 
 // The row of the output (0 … p − 1), as a model of its own.
 ProcessModel SelectOutput(const ProcessModel& model, int output);

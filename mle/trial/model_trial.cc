@@ -108,8 +108,8 @@ absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
         "trial: the proposed model is the model in use: no step response "
         "differs by more than 0.1 %");
   }
-  models.in_use = PartOf(in_use, models.outputs);
-  models.proposed = PartOf(proposed, models.outputs);
+  models.in_use = SelectPart(in_use, models.outputs);
+  models.proposed = SelectPart(proposed, models.outputs);
   MLE_RETURN_IF_ERROR(CheckNotIntegrating(models.in_use, "a trial"));
   MLE_RETURN_IF_ERROR(CheckNotIntegrating(models.proposed, "a trial"));
   for (int j = 0; j < in_use.num_inputs(); ++j) {
