@@ -45,6 +45,7 @@
 #include "mle/base/parallel.h"
 #include "mle/model/process_simulator.h"
 #include "mle/plan/plan.h"
+#include "mle/plan/plan_row.h"
 
 namespace mle {
 namespace {
@@ -272,11 +273,13 @@ constexpr std::array<const char*, 4> kAskedNames = {"one", "row", "all",
 
 std::vector<PlanQuestion> QuestionsOf(const Study& study, Asked asked,
                                       std::uint64_t seed) {
-  const std::vector<PlanRow> rows = RowsOf(study, study.problem.plant);
+  const absl::StatusOr<std::vector<PlanRow>> rows =
+      RowsOf(study.problem.plant, study.problem.sample_time);
+  CHECK(rows.ok()) << rows.status();
   std::vector<PlanQuestion> all;
   std::vector<PlanQuestion> open;
   for (const auto& [i, j] : Pairs(study.problem.plant)) {
-    const Index place = rows[i].Place(j, PlanParameter::kGain);
+    const Index place = (*rows)[i].PlaceOfGain(j);
     if (place < 0) continue;
     all.push_back({.output = i, .input = j, .error = kWanted});
     if (ErrorBy(study.known[i], place) > kWanted) open.push_back(all.back());

@@ -1,13 +1,15 @@
 #include "benchmarks/plan_study.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "Eigen/QR"
 #include "glog/logging.h"
+#include "mle/plan/plan_row.h"
+#include "mle/plan/plan_shape.h"
+#include "sim/set_point_profile.h"
 
 namespace mle::benchmarks {
 namespace {
@@ -48,20 +50,6 @@ Site MakeSite(const char* path) {
   return site;
 }
 
-sim::SetPointProfile ProfileOf(const MatrixXd& set_points, double sample_time) {
-  sim::SetPointProfile profile;
-  for (Index k = 0; k < set_points.cols(); ++k) {
-    for (Index i = 0; i < set_points.rows(); ++i) {
-      const double before = k == 0 ? 0.0 : set_points(i, k - 1);
-      if (set_points(i, k) == before) continue;
-      profile.steps.push_back({static_cast<int>(i),
-                               sample_time * static_cast<double>(k),
-                               set_points(i, k)});
-    }
-  }
-  return profile;
-}
-
 }  // namespace
 
 absl::StatusOr<Record> RunLoop(const Site& site, const control::Mpc& tuned,
@@ -74,7 +62,7 @@ absl::StatusOr<Record> RunLoop(const Site& site, const control::Mpc& tuned,
       [&mpc](const auto& measured, const auto& wanted, auto next_inputs) {
         mpc.Step(measured, wanted, next_inputs);
       },
-      ProfileOf(set_points, site.plant.sample_time),
+      sim::ProfileOf(set_points, site.plant.sample_time),
       site.Loop(set_points.cols(), seed, noisy),
       noisy ? site.conditions : sim::PlantConditions());
   if (!record.ok() || noisy) return record;
@@ -167,17 +155,6 @@ MatrixXd PulseOf(const Study& study) {
 
 }  // namespace
 
-std::vector<PlanRow> RowsOf(const Study& study, const ProcessModel& plant) {
-  std::vector<PlanRow> rows;
-  for (int i = 0; i < plant.num_outputs(); ++i) {
-    absl::StatusOr<PlanRow> row =
-        PlanRow::Create(plant, i, study.problem.sample_time);
-    CHECK(row.ok()) << row.status();
-    rows.push_back(*std::move(row));
-  }
-  return rows;
-}
-
 // The plants that the plan averages errors over, and what the window tells.
 void ChoosePlants(Study& study) {
   const absl::StatusOr<std::vector<ProcessModel>> drawn =
@@ -190,42 +167,27 @@ void ChoosePlants(Study& study) {
       study.plants.push_back(plant);
     }
   }
+  const absl::StatusOr<std::vector<PlanRow>> rows =
+      RowsOf(study.problem.plant, study.problem.sample_time);
+  CHECK(rows.ok()) << rows.status();
   absl::StatusOr<std::vector<MatrixXd>> known =
-      InformationOfWindows(study.problem, study.problem.windows,
-                           RowsOf(study, study.problem.plant), 1);
+      InformationOfWindows(study.problem, study.problem.windows, *rows, 1);
   CHECK(known.ok()) << known.status();
   study.known = *std::move(known);
 }
 
 namespace {
 
-// Deviations of a test with what is before it.
-Record WithLead(const Study& study, const Record& test) {
-  const auto lead = static_cast<Index>(
-      std::ceil(study.site.settling / study.problem.sample_time));
-  Record record;
-  record.sample_time = study.problem.sample_time;
-  record.outputs =
-      MatrixXd::Zero(test.outputs.rows(), lead + test.outputs.cols());
-  record.inputs = MatrixXd::Zero(test.inputs.rows(), record.outputs.cols());
-  record.outputs.rightCols(test.outputs.cols()) = test.outputs;
-  record.inputs.rightCols(test.inputs.cols()) = test.inputs;
-  return record;
-}
-
-// E|m + σ z| − E|σ z| in units of σ.
-double MoreAbsolute(double unit) {
-  return std::sqrt(2.0 / std::numbers::pi) *
-             (std::exp(-0.5 * unit * unit) - 1.0) +
-         unit * std::erf(unit / std::numbers::sqrt2);
-}
-
 double CostOf(const Study& study, const MatrixXd& outputs) {
   const MatrixXd units =
       study.problem.output_deviations.cwiseInverse().asDiagonal() * outputs;
-  return study.problem.sample_time * (study.options.absolute_price.size() > 0
-                                          ? units.unaryExpr(&MoreAbsolute).sum()
-                                          : units.squaredNorm());
+  return study.problem.sample_time *
+         (study.options.absolute_price.size() > 0
+              ? units
+                    .unaryExpr(
+                        [](double unit) { return MoreAbsolute(unit, 1.0); })
+                    .sum()
+              : units.squaredNorm());
 }
 
 }  // namespace
@@ -241,18 +203,11 @@ Answers AnswersOf(
     if (!record.ok()) continue;
     if (count == 0.0) answers.cost = CostOf(study, record->outputs);
     ++count;
-    PlanProblem problem = study.problem;
-    problem.plant = plant;
-    const std::vector<PlanRow> rows = RowsOf(study, plant);
-    const absl::StatusOr<std::vector<MatrixXd>> informations =
-        InformationOfWindows(problem, {WithLead(study, *record)}, rows, 1);
-    CHECK(informations.ok()) << informations.status();
+    const absl::StatusOr<std::vector<double>> errors =
+        ErrorsAfter(study.problem, plant, *record, study.known, 1);
+    CHECK(errors.ok()) << errors.status();
     for (std::size_t q = 0; q < answers.errors.size(); ++q) {
-      const PlanQuestion& asked = problem.questions[q];
-      const double error =
-          ErrorBy((*informations)[asked.output] + study.known[asked.output],
-                  rows[asked.output].Place(asked.input, asked.parameter));
-      answers.errors[q] += error * error;
+      answers.errors[q] += (*errors)[q] * (*errors)[q];
     }
   }
   for (std::size_t q = 0; q < answers.errors.size(); ++q) {

@@ -12,7 +12,6 @@
 #include "benchmarks/tuned_plant.h"
 #include "control/mpc.h"
 #include "mle/plan/plan.h"
-#include "mle/plan/plan_row.h"
 #include "sim/closed_loop.h"
 
 namespace mle::benchmarks {
@@ -51,8 +50,6 @@ Study MakeStudy(const char* path, std::uint64_t seed);
 
 // The plants that the plan averages errors over, and what the window tells.
 void ChoosePlants(Study& study);
-
-std::vector<PlanRow> RowsOf(const Study& study, const ProcessModel& plant);
 
 // Of `plant` under the controller of the study, from rest. FailedPrecondition
 // where it does not hold it.

@@ -52,6 +52,21 @@ Eigen::MatrixXd SetPointProfile::Sample(int num_outputs, double sample_time,
   return values;
 }
 
+SetPointProfile ProfileOf(const Eigen::MatrixXd& set_points,
+                          double sample_time) {
+  SetPointProfile profile;
+  for (Eigen::Index k = 0; k < set_points.cols(); ++k) {
+    for (Eigen::Index i = 0; i < set_points.rows(); ++i) {
+      const double before = k == 0 ? 0.0 : set_points(i, k - 1);
+      if (set_points(i, k) == before) continue;
+      profile.steps.push_back({static_cast<int>(i),
+                               sample_time * static_cast<double>(k),
+                               set_points(i, k)});
+    }
+  }
+  return profile;
+}
+
 std::vector<SetPointMove> DrawOptimiserMoves(int output, double interval,
                                              double deviation, double duration,
                                              std::uint64_t seed,

@@ -39,6 +39,11 @@ struct SetPointProfile {
                          int samples) const;
 };
 
+// The profile whose samples at 0, Δt, … are the columns of `set_points` (p ×
+// N).
+SetPointProfile ProfileOf(const Eigen::MatrixXd& set_points,
+                          double sample_time);
+
 // The moves of an optimiser until `duration`: every `interval` > 0, the first
 // after one, the set point goes to another distance from the profile, Gaussian
 // with the standard deviation `deviation` ≥ 0.

@@ -207,6 +207,16 @@ std::vector<std::pair<std::string, std::string>> OptionTable::Values() const {
   return values;
 }
 
+std::string OptionTable::FirstChanged(std::string_view prefix) const {
+  for (const Row& row : rows_) {
+    if (row.option.name.starts_with(prefix) &&
+        CurrentText(row.option) != row.default_text) {
+      return row.option.name;
+    }
+  }
+  return "";
+}
+
 void OptionTable::PutFirst(std::vector<std::string> names) {
   first_ = std::move(names);
 }

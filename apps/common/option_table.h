@@ -98,6 +98,10 @@ class OptionTable {
   // Names and values, in the order of the table.
   std::vector<std::pair<std::string, std::string>> Values() const;
 
+  // The first option whose name begins with `prefix` and whose value is not its
+  // default; empty where there is none.
+  std::string FirstChanged(std::string_view prefix) const;
+
   // In the order of the table; Texts(true): those put first, in their order.
   std::vector<OptionText> Texts(bool only_first = false) const;
 

@@ -17,6 +17,7 @@
 #include "mle/data/civil_time.h"
 #include "mle/data/stretches.h"
 #include "sim/closed_loop.h"
+#include "sim/set_point_profile.h"
 
 namespace mle::correct {
 namespace {
@@ -31,7 +32,7 @@ constexpr double kPeriodsToSettle = 60.0;
 // Samples of a plan beyond which none is sought.
 constexpr double kMostPlanSamples = 2e5;
 // Limits that are not told: standard deviations of usual operation at least,
-// and shares of the width of the range in the records, beyond it.
+// and shares of the width of the range there, beyond it.
 constexpr double kLeastRoom = 15.0;
 constexpr double kBeyondRange = 1.0;
 
@@ -112,19 +113,6 @@ absl::StatusOr<control::MpcOptions> TuningOf(const Result& result,
                               before, {.keep_control_period = true}, unused);
 }
 
-sim::SetPointProfile ProfileOf(const MatrixXd& set_points, double sample_time) {
-  sim::SetPointProfile profile;
-  for (Index k = 0; k < set_points.cols(); ++k) {
-    for (Index i = 0; i < set_points.rows(); ++i) {
-      if (set_points(i, k) == (k == 0 ? 0.0 : set_points(i, k - 1))) continue;
-      profile.steps.push_back({static_cast<int>(i),
-                               sample_time * static_cast<double>(k),
-                               set_points(i, k)});
-    }
-  }
-  return profile;
-}
-
 PlannedLoop LoopOf(control::Mpc mpc, double sample_time) {
   return [tuned = std::make_shared<const control::Mpc>(std::move(mpc)),
           sample_time](const ProcessModel& plant,
@@ -140,7 +128,7 @@ PlannedLoop LoopOf(control::Mpc mpc, double sample_time) {
         [&running](const auto& measured, const auto& wanted, auto next) {
           running.Step(measured, wanted, next);
         },
-        ProfileOf(set_points, sample_time), options);
+        sim::ProfileOf(set_points, sample_time), options);
     if (!record.ok()) {
       return absl::FailedPreconditionError(record.status().message());
     }
@@ -167,7 +155,7 @@ absl::Status NamePlanFlag(const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat("--plan: ", text));
 }
 
-// The limits told, or what the range in the records allows.
+// The limits told, or what the range in usual operation allows.
 VectorXd LimitsOf(const VectorXd& told, const std::vector<ChannelUse>& uses,
                   const VectorXd& at, const VectorXd& deviations, double sign) {
   if (told.size() > 0) return told;
@@ -229,7 +217,7 @@ PlanOptions OptionsFor(const Result& result, const Operation& operation,
       given.min_input.size() == 0 || given.max_input.size() == 0) {
     move.assumptions.push_back(
         "Limits that are not told (--plan_max_output and others) are the "
-        "width of a channel's range in these records beyond it.");
+        "width of a channel's range in usual operation beyond it.");
   }
   if (!given.set_points.empty()) {
     for (const OutputChannel& output : result.initial.outputs()) {
@@ -270,7 +258,7 @@ void FindEarliest(const Result& result, NextMove& move) {
 // Why no plan can be made of these records; empty: one can.
 std::string Obstacle(const Result& result) {
   if (!result.data.obstacles.empty()) {
-    return absl::StrCat("What forbids a correction is to be mended first: ",
+    return absl::StrCat("Correct what forbids a correction first: ",
                         result.data.obstacles.front().text);
   }
   if (result.estimate.setting.noise.empty()) {

@@ -24,7 +24,7 @@ struct NextMoveOptions {
   std::optional<double> longest;
   double quiet = 0.0;                   // between moves, ≥ 0
   std::vector<std::string> set_points;  // that may move; empty: all
-  // p or m; empty: the width of the range in the records beyond it.
+  // p or m; empty: the width of the range in usual operation beyond it.
   Eigen::VectorXd min_output;
   Eigen::VectorXd max_output;
   Eigen::VectorXd min_input;

@@ -37,8 +37,8 @@ std::vector<Option> OptionsOf(NextMoveOptions& move) {
        "commas; empty: all."},
       {"plan_min_output", LimitOfEachOutput(&move.min_output, -kInfinity),
        "With --plan: lower limits of the outputs: one value, or one for each "
-       "output; none: no limit. Empty: the width of its range in the "
-       "records below it."},
+       "output; none: no limit. Empty: the width of its range in usual "
+       "operation below it."},
       {"plan_max_output", LimitOfEachOutput(&move.max_output, kInfinity),
        "With --plan: upper limits of the outputs, as --plan_min_output."},
       {"plan_min_input", LimitOfEachInput(&move.min_input, -kInfinity),

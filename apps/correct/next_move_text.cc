@@ -275,7 +275,7 @@ void AddNextMove(const Result& result,
   AddFigure(figures, "next_move", page);
   std::vector<std::string> notes = move.assumptions;
   notes.push_back(absl::StrCat(
-      "The band holds ", move.plan->plants - move.plan->left_out,
+      "The band holds ", move.options.draws - move.plan->left_out,
       " plants drawn from what the records leave open and what ageing may have "
       "done since, and ",
       FormatSignificant(move.options.deviations, 2),
@@ -329,7 +329,7 @@ nlohmann::ordered_json NextMoveJson(const Result& result) {
         model.inputs()[j].name, plan.expected.inputs, plan.low_inputs,
         plan.high_inputs, move.options.min_input, move.options.max_input, j));
   }
-  json["plants"] = plan.plants;
+  json["plants"] = move.options.draws;
   json["plants_left_out"] = plan.left_out;
   json["assumptions"] = move.assumptions;
   return json;

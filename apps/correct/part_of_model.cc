@@ -18,6 +18,7 @@
 #include "mle/data/joined_files.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/record_columns.h"
+#include "mle/maintain/select_output.h"
 #include "mle/model/process_model.h"
 
 namespace mle::correct {
@@ -107,22 +108,6 @@ Channels WithInputs(const ProcessModel& model, std::vector<int> outputs) {
   return part;
 }
 
-ProcessModel PartOf(const ProcessModel& model, const Channels& part) {
-  std::vector<InputChannel> inputs;
-  std::vector<OutputChannel> outputs;
-  for (const int j : part.inputs) inputs.push_back(model.inputs()[j]);
-  for (const int i : part.outputs) outputs.push_back(model.outputs()[i]);
-  ProcessModel result(model.name(), model.time_unit(), std::move(inputs),
-                      std::move(outputs));
-  for (std::size_t i = 0; i < part.outputs.size(); ++i) {
-    for (std::size_t j = 0; j < part.inputs.size(); ++j) {
-      result.element(static_cast<int>(i), static_cast<int>(j)) =
-          model.element(part.outputs[i], part.inputs[j]);
-    }
-  }
-  return result;
-}
-
 // A weight for each pair of channels, of the part.
 void TakePart(const std::vector<int>& channels, int all,
               Eigen::MatrixXd& weights) {
@@ -179,9 +164,9 @@ void LeaveOutColumns(const ProcessModel& before, const ProcessModel& after,
 
 void TakePart(const Channels& part, Request& request) {
   const ProcessModel whole = request.model;
-  request.model = PartOf(whole, part);
+  request.model = SelectPart(whole, part.outputs, part.inputs);
   if (request.truth.has_value()) {
-    request.truth = PartOf(*request.truth, part);
+    request.truth = SelectPart(*request.truth, part.outputs, part.inputs);
   }
   TakePart(part, whole, request.controller);
   LeaveOutColumns(whole, request.model, request.import.columns);

@@ -131,6 +131,10 @@ absl::Status Complete(Request& request, OptionTable& table) {
 absl::Status CompleteForModel(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
   MLE_RETURN_IF_ERROR(CheckOutput(request));
+  if (const std::string option = table.FirstChanged("plan_");
+      !request.next_move.wanted && !option.empty()) {
+    return InvalidArgument("--", option, ": a plan is made with --plan alone");
+  }
   MLE_RETURN_IF_ERROR(ParseTags(request.tags, request.tag_file, request.model,
                                 request.import.columns));
   MLE_RETURN_IF_ERROR(ChooseOutputs(request));

@@ -41,11 +41,21 @@ void AddResting(const Record& record, int settled, std::vector<Record>& parts) {
   add(record.samples());
 }
 
+// Between the windows, while the plant was operated as usual.
+const std::vector<Record>& UsualRest(const Result& result) {
+  static const std::vector<Record> none;
+  const auto& rest = result.options.estimation.output_error.at_rest;
+  return rest != nullptr ? *rest : none;
+}
+
 // Parts in which nothing is asked of the plant: between the windows, in them
 // before their first change, and records in which nothing changes.
-std::vector<Record> QuietParts(const RecordData& data) {
+std::vector<Record> QuietParts(const Result& result) {
+  const RecordData& data = result.data;
   std::vector<Record> parts;
-  for (const Record& rest : data.AtRest()) AddResting(rest, data.lead, parts);
+  for (const Record& rest : UsualRest(result)) {
+    AddResting(rest, data.lead, parts);
+  }
   for (const SetPointWindow& window : data.windows) {
     const int samples = window.changes.empty() ? window.record.samples()
                                                : window.changes.front().sample;
@@ -56,12 +66,11 @@ std::vector<Record> QuietParts(const RecordData& data) {
 
 }  // namespace
 
-void ChannelUse::Add(double value) {
+void ChannelUse::AddToRange(double value) {
   if (!std::isfinite(value)) return;
   known = true;
   low = std::min(low, value);
   high = std::max(high, value);
-  last = value;
 }
 
 double ChannelUse::deviation() const {
@@ -75,18 +84,30 @@ Operation OperationIn(const Result& result) {
   operation.outputs.resize(p);
   operation.inputs.resize(m);
   operation.set_points.resize(p);
-  for (const Record& record : result.data.records) {
+  const auto each = [&](const Record& record, const auto& visit) {
     for (Index k = 0; k < record.samples(); ++k) {
       for (int i = 0; i < p; ++i) {
-        operation.outputs[i].Add(record.outputs(i, k));
+        visit(record.outputs(i, k), operation.outputs[i]);
         if (record.set_points.size() > 0) {
-          operation.set_points[i].Add(record.set_points(i, k));
+          visit(record.set_points(i, k), operation.set_points[i]);
         }
       }
-      for (int j = 0; j < m; ++j) operation.inputs[j].Add(record.inputs(j, k));
+      for (int j = 0; j < m; ++j) {
+        visit(record.inputs(j, k), operation.inputs[j]);
+      }
     }
+  };
+  const auto add = [](double value, ChannelUse& use) { use.AddToRange(value); };
+  for (const SetPointWindow& window : result.data.windows) {
+    each(window.record, add);
   }
-  for (const Record& part : QuietParts(result.data)) {
+  for (const Record& rest : UsualRest(result)) each(rest, add);
+  for (const Record& record : result.data.records) {
+    each(record, [](double value, ChannelUse& use) {
+      if (std::isfinite(value)) use.last = value;
+    });
+  }
+  for (const Record& part : QuietParts(result)) {
     for (int i = 0; i < p; ++i) {
       const VectorXd center = part.set_points.size() > 0
                                   ? VectorXd(part.set_points.row(i))

@@ -1,4 +1,7 @@
-// What outputs and inputs do in records while nothing is asked of the plant.
+// What outputs and inputs do in usual operation: in the windows and in the
+// records between them, but for parts in which the plant is shut down or run
+// far from its operating point (mle/maintain/usual_rest.h). Ranges are those of
+// all of it, squares those of parts in which nothing is asked of the plant.
 
 #ifndef APPS_CORRECT_USUAL_OPERATION_H_
 #define APPS_CORRECT_USUAL_OPERATION_H_
@@ -15,12 +18,12 @@ namespace mle::correct {
 struct ChannelUse {
   double low = kInfinity;
   double high = -kInfinity;
-  double last = 0.0;
+  double last = 0.0;  // of all records
   bool known = false;
   double squares = 0.0;  // about the set point, or the mean of its part
   double count = 0.0;
 
-  void Add(double value);
+  void AddToRange(double value);
   double deviation() const;
 };
 

@@ -110,6 +110,9 @@ struct TrialReport {
   std::optional<Acknowledgement> adopted = {};
   int adopted_day = 0;
   std::vector<std::string> before = {};  // a sentence on each earlier trial
+
+  // There is nothing more to do: `verdict` is the last before it ended.
+  bool IsOver() const { return !ended.empty(); }
 };
 
 enum class Status {

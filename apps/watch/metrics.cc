@@ -134,9 +134,10 @@ std::string FormatMetrics(const std::vector<Report>& reports,
   AddHealth(reports, metrics);
   AddCosts(reports, metrics);
   AddAlarmMetrics(reports, metrics);
-  metrics.Begin("trial", "1 for the advice of the trial of a correction.");
+  metrics.Begin("trial",
+                "1 for the advice of the trial of a correction that goes on.");
   for (const Report& report : reports) {
-    if (!report.trial.has_value()) continue;
+    if (!report.trial.has_value() || report.trial->IsOver()) continue;
     metrics.Add({{"controller", report.name},
                  {"advice", NameOf(report.trial->verdict.advice)}},
                 1.0);

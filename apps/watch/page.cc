@@ -1,15 +1,10 @@
-#include <algorithm>
-#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
-#include "absl/time/time.h"
-#include "apps/report/figure.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
 #include "apps/report/text.h"
@@ -22,99 +17,11 @@
 namespace mle::watch {
 namespace {
 
-// The part of a controller's page that says how it goes on over months.
-
-// A page of ten years stays small.
-constexpr int kMostHealthPoints = 400;
-constexpr report::Role kOutputRoles[] = {
-    report::Role::kCorrected, report::Role::kAlternative, report::Role::kFitted,
-    report::Role::kTrue};
-
-report::Figure HealthFigure(const Report& report) {
-  report::Figure figure{.height_cm = 7.0};
-  report::Panel& panel = figure.AddPanel("");
-  panel.x = DayAxis();
-  panel.y = {.label = "health", .range = report::Range{0.0, 1.0}};
-  for (std::size_t i = 0; i < report.trends.size(); ++i) {
-    std::vector<double> days;
-    std::vector<double> health;
-    for (const HealthPoint& point : report.trends[i]) {
-      days.push_back(point.day + 1);  // at its end
-      health.push_back(point.health);
-    }
-    report::Series series = report::MakeSeries(
-        kOutputRoles[i % std::size(kOutputRoles)],
-        report.model.outputs()[i].name, std::move(days), std::move(health));
-    series.max_points = kMostHealthPoints;
-    panel.series.push_back(std::move(series));
-  }
-  panel.lines.push_back(
-      report::HorizontalLine(report::Role::kReference, "alarm", 0.5));
-  return figure;
-}
-
-report::Figure ChangeFigure(const Report& report, const OutputTrend& trend) {
-  const AgeingCourse& course = trend.course;
-  const bool time = course.parameter == kDeadTime;
-  report::Figure figure{.height_cm = 6.0};
-  report::Panel& panel = figure.AddPanel("");
-  panel.x = DayAxis();
-  panel.y = {.label =
-                 absl::StrCat("change of the ", ParameterName(course.parameter),
-                              ", ", time ? report.model.time_unit() : "%")};
-  report::Series series = report::MakeSeries(
-      report::Role::kCorrected, "estimate, with its interval of 95 %", {}, {});
-  const double unit = time ? 1.0 : 100.0;
-  for (const CoursePoint& point : course.points) {
-    series.x.push_back(report.watch->first + point.number + 1.0);
-    series.y.push_back(unit * point.change.mean);
-    series.lower.push_back(unit * point.change.low);
-    series.upper.push_back(unit * point.change.high);
-  }
-  panel.series.push_back(std::move(series));
-  panel.lines.push_back(
-      report::HorizontalLine(report::Role::kReference, "the model", 0.0));
-  return figure;
-}
-
-// Health of the outputs over dates, what it says of a trend in words, and, of
-// an output whose element is known, by how much its parameter has changed.
-// Nothing without days.
-void AddTrend(const Report& report, report::HtmlPage& page) {
-  const bool any = std::any_of(
-      report.trends.begin(), report.trends.end(),
-      [](const std::vector<HealthPoint>& points) { return points.size() > 1; });
-  if (!any) return;
-  page.AddHeading("Trend");
-  page.AddFigure(HealthFigure(report), "Health of the outputs, day by day.",
-                 "Curves of health between 0 and 1 over dates, with a line at "
-                 "one half, where alarms are raised.");
-  std::vector<std::pair<std::string, std::string>> terms;
-  for (std::size_t i = 0; i < report.outlook.trends.size(); ++i) {
-    terms.emplace_back(
-        report.model.outputs()[i].name,
-        TrendText(report.model, static_cast<int>(i), report.outlook.trends[i]));
-  }
-  if (!terms.empty()) page.AddTerms(terms);
-  for (std::size_t i = 0; i < report.outlook.trends.size(); ++i) {
-    const OutputTrend& trend = report.outlook.trends[i];
-    if (!trend.course.is_known() || trend.course.points.size() < 2) continue;
-    const std::string what =
-        absl::StrCat("the ", ParameterName(trend.course.parameter), " of ",
-                     PairName(report.model, static_cast<int>(i), trend.input));
-    page.AddFigure(
-        ChangeFigure(report, trend),
-        absl::StrCat("By how much ", what, " has changed."),
-        absl::StrCat("A curve of the change of ", what,
-                     " over dates, in a band that holds it with a probability "
-                     "of 95 %."));
-  }
-}
-
 using report::Align;
 using report::Table;
 
 constexpr int kShownDays = 30;
+
 report::Badge BadgeOf(Status status) {
   return status == Status::kHealthy ? report::Badge::kGood
          : status == Status::kAged  ? report::Badge::kChanged
@@ -342,11 +249,6 @@ void AddUnusedDays(const Report& report, report::HtmlPage& page) {
 
 }  // namespace
 
-report::Axis DayAxis() {
-  return {.label = "date",
-          .dates = report::DateScale{.seconds_per_unit = kSecondsOfDay}};
-}
-
 std::string FormatControllerPage(const Report& report,
                                  const std::string& folder,
                                  bool can_acknowledge) {
@@ -382,55 +284,6 @@ std::string FormatControllerPage(const Report& report,
        {"Days with changes that were used", absl::StrCat(report.used_days)},
        {"Days of which it cannot be told", absl::StrCat(report.unused_days)}});
   return page.Render();
-}
-
-const char* const kMeaning =
-    "Health is the probability that nothing has changed, on a scale on which "
-    "an alarm is raised at one half; it is near 1 without evidence. The "
-    "probability of ever raising a false alarm on a model that does not change "
-    "is at most the level of its controller (5 % unless the list of "
-    "controllers says otherwise), however often it is looked at.";
-
-std::string LastDayOf(const Report& report) {
-  return report.last_day == 0 ? "–" : NameOfDay(report.last_day);
-}
-
-std::string HealthText(const Report& report) {
-  return report.status == Status::kFailed || report.status == Status::kLearning
-             ? "–"
-             : report::FormatFixed(report.health, 3);
-}
-
-std::string Counted(int count, std::string_view what) {
-  return absl::StrCat(count, " ", std::string(what), count == 1 ? "" : "s");
-}
-
-std::string ShortId(const Alarm& alarm) { return alarm.id.substr(0, 8); }
-
-std::string TimeText(std::int64_t seconds) {
-  return absl::FormatTime("%Y-%m-%d %H:%M UTC", absl::FromUnixSeconds(seconds),
-                          absl::UTCTimeZone());
-}
-
-std::string AcknowledgementText(const Alarm& alarm) {
-  if (!alarm.acknowledged.has_value()) return "not yet";
-  const Acknowledgement& made = *alarm.acknowledged;
-  return absl::StrCat("by ", made.who, " at ", TimeText(made.at),
-                      made.note.empty() ? "" : ": ", made.note);
-}
-
-std::string DeliveryText(const Alarm& alarm) {
-  std::vector<std::string> parts;
-  for (const Delivery& delivery : alarm.deliveries) {
-    std::string part(NameOf(delivery.channel));
-    if (delivery.state != Delivery::State::kSent) {
-      absl::StrAppend(&part, " not yet (",
-                      Counted(delivery.attempts, "attempt"), ")",
-                      delivery.fault.empty() ? "" : ": ", delivery.fault);
-    }
-    parts.push_back(std::move(part));
-  }
-  return parts.empty() ? "–" : absl::StrJoin(parts, ", ");
 }
 
 std::string PageName(const Report& report) {

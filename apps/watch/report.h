@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/report/figure.h"
+#include "apps/report/html.h"
 #include "apps/watch/health.h"
 #include "apps/watch/state.h"
 
@@ -52,6 +53,11 @@ std::string FormatAlarmsPage(const std::vector<Report>& reports);
 std::string FormatControllerPage(const Report& report,
                                  const std::string& folder,
                                  bool can_acknowledge = false);
+
+// On its page: health of the outputs over dates, what it says of a trend in
+// words, and, of an output whose element is known, by how much its parameter
+// has changed. Nothing without days.
+void AddTrend(const Report& report, report::HtmlPage& page);
 
 // The names of the files, and where the forms lead.
 inline constexpr char kOverviewPage[] = "index.html";

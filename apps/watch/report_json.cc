@@ -267,7 +267,7 @@ std::string FormatControllers(const std::vector<Report>& reports) {
     }
     controller["update_pays"] = DayOrNull(report.cost.pays);
     controller["trial"] = nullptr;
-    if (report.trial.has_value()) {
+    if (report.trial.has_value() && !report.trial->IsOver()) {
       controller["trial"] = std::string(NameOf(report.trial->verdict.advice));
     }
     controllers.push_back(std::move(controller));

@@ -1,14 +1,11 @@
 #include "apps/watch/trial.h"
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/watch/update.h"
 #include "mle/base/status.h"
-#include "mle/maintain/correct.h"
 #include "mle/maintain/examine_records.h"
 #include "mle/trial/model_trial.h"
 
@@ -37,13 +34,8 @@ absl::StatusOr<ModelTrial> ResumeTrial(const Trial& trial) {
 
 bool IsSame(const ProcessModel& a, const std::string& json) {
   const absl::StatusOr<ProcessModel> b = ParseProcessModel(json, "state");
-  if (!b.ok() || !CheckSameChannels(a, "", *b, "").ok()) return false;
-  constexpr int kSamples = 201;
-  const double step =
-      std::max(SettlingTime(a), SettlingTime(*b)) / (kSamples - 1);
-  return CompareResponses(a.ComputeStepResponse(step, kSamples),
-                          b->ComputeStepResponse(step, kSamples))
-             .elements.maxCoeff() <= kSameModel;
+  return b.ok() && CheckSameChannels(a, "", *b, "").ok() &&
+         CompareElements(a, *b).maxCoeff() <= kSameModel;
 }
 
 void AdoptTrial(Acknowledgement by, Trial& trial) {

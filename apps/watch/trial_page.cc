@@ -219,7 +219,7 @@ std::vector<std::string> TrialSentences(const TrialReport& report) {
 
 std::string ShortTrial(const std::optional<TrialReport>& report) {
   if (!report.has_value()) return "–";
-  if (!report->ended.empty() && report->ended != "dropped") return "ended";
+  if (report->IsOver() && report->ended != "dropped") return "ended";
   constexpr const char* kWords[] = {"wait", "adopt", "drop", "keep",
                                     "roll back"};
   return kWords[static_cast<int>(report->verdict.advice)];

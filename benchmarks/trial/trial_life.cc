@@ -159,6 +159,28 @@ Change Propose(Proposal proposal, Change change, const ProcessModel& model,
   return change;
 }
 
+// The plant `truth` under a controller with `model`, for the noise of `loop`.
+// Fails where the loop is not stable.
+absl::StatusOr<Record> RunLoop(const TrialPlant& plant,
+                               const ProcessModel& model,
+                               const ProcessModel& truth,
+                               const sim::SetPointProfile& profile,
+                               double duration, sim::ClosedLoopOptions loop,
+                               const sim::PlantConditions& conditions) {
+  absl::StatusOr<control::Mpc> mpc = control::Mpc::Create(model, plant.tuning);
+  CHECK(mpc.ok()) << mpc.status();
+  loop.sample_time = plant.sample_time;
+  loop.control_period = plant.tuning.control_period;
+  loop.duration =
+      std::floor(duration / loop.control_period) * loop.control_period;
+  return sim::SimulateClosedLoop(
+      truth,
+      [&mpc](const auto& measured, const auto& wanted, auto next) {
+        mpc->Step(measured, wanted, next);
+      },
+      profile, loop, conditions);
+}
+
 }  // namespace
 
 TrialPlant ReadTrialPlant(const std::string& path, std::vector<double> steps,
@@ -243,22 +265,10 @@ TrialLife::TrialLife(const TrialPlant& plant, Proposal proposal,
 Record TrialLife::Simulate(const ProcessModel& model, const ProcessModel& truth,
                            const sim::SetPointProfile& profile, double duration,
                            std::uint64_t stream) const {
-  absl::StatusOr<control::Mpc> mpc = control::Mpc::Create(model, plant_.tuning);
-  CHECK(mpc.ok()) << mpc.status();
-  sim::ClosedLoopOptions loop;
-  loop.sample_time = plant_.sample_time;
-  loop.control_period = plant_.tuning.control_period;
-  loop.duration =
-      std::floor(duration / loop.control_period) * loop.control_period;
-  loop.noise_variance = noise_ * noise_;
-  loop.seed = seed_;
-  loop.stream = stream;
-  absl::StatusOr<Record> record = sim::SimulateClosedLoop(
-      truth,
-      [&mpc](const auto& measured, const auto& wanted, auto next) {
-        mpc->Step(measured, wanted, next);
-      },
-      profile, loop, conditions_);
+  absl::StatusOr<Record> record = RunLoop(
+      plant_, model, truth, profile, duration,
+      {.noise_variance = noise_ * noise_, .seed = seed_, .stream = stream},
+      conditions_);
   if (!record.ok()) return Record();  // The loop is not stable.
   return *std::move(record);
 }
@@ -284,15 +294,6 @@ double TrialLife::ControlCost(const ProcessModel& model) const {
   const int p = plant_.model.num_outputs();
   double sum = 0.0;
   for (int c = 0; c < 2 * p; ++c) {
-    absl::StatusOr<control::Mpc> mpc =
-        control::Mpc::Create(model, plant_.tuning);
-    CHECK(mpc.ok()) << mpc.status();
-    sim::ClosedLoopOptions loop;
-    loop.sample_time = plant_.sample_time;
-    loop.control_period = plant_.tuning.control_period;
-    loop.duration = std::floor(3.0 * plant_.settling / loop.control_period) *
-                    loop.control_period;
-    loop.noise_variance = 0.0;
     sim::SetPointProfile profile;
     sim::PlantConditions conditions;
     if (c < p) {
@@ -301,12 +302,9 @@ double TrialLife::ControlCost(const ProcessModel& model) const {
       conditions.output_disturbance.steps = {
           {.output = c - p, .step = {.time = 0.0, .size = 1.0}}};
     }
-    const absl::StatusOr<Record> record = sim::SimulateClosedLoop(
-        truth_,
-        [&mpc](const auto& measured, const auto& wanted, auto next) {
-          mpc->Step(measured, wanted, next);
-        },
-        profile, loop, conditions);
+    const absl::StatusOr<Record> record =
+        RunLoop(plant_, model, truth_, profile, 3.0 * plant_.settling,
+                {.noise_variance = 0.0}, conditions);
     if (!record.ok()) return kInfinity;
     sum += (record->outputs - record->set_points).squaredNorm();
   }

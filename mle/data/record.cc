@@ -114,6 +114,25 @@ Record PartOf(const Record& record, int first, int samples) {
   return part;
 }
 
+Eigen::VectorXd Filled(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Eigen::VectorXd filled = values;
+  double last = 0.0;
+  for (const double value : values) {
+    if (std::isfinite(value)) {
+      last = value;
+      break;
+    }
+  }
+  for (double& value : filled) {
+    if (std::isfinite(value)) {
+      last = value;
+    } else {
+      value = last;
+    }
+  }
+  return filled;
+}
+
 Record JoinRecords(std::span<const Record> records) {
   Record all = records.front();
   if (records.size() == 1) return all;

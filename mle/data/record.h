@@ -54,6 +54,10 @@ std::vector<SetPointChange> FindSetPointChanges(const Record& record);
 // Samples `first` to `first` + `samples` − 1.
 Record PartOf(const Record& record, int first, int samples);
 
+// A signal without gaps: a value that is not finite becomes the last finite one
+// before it, at the start the first one; all become 0 where none is finite.
+Eigen::VectorXd Filled(const Eigen::Ref<const Eigen::VectorXd>& values);
+
 // Records of the same channels side by side, as if no time were between them;
 // at least one.
 Record JoinRecords(std::span<const Record> records);

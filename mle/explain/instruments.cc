@@ -9,7 +9,7 @@
 #include "Eigen/QR"
 #include "Eigen/SVD"
 #include "absl/status/status.h"
-#include "mle/explain/signal_effects.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -19,8 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Functions of each signal, fewer where there are few rows.
-constexpr Index kLaguerre = 6;
-constexpr Index kFewestLaguerre = 3;
+constexpr Index kMostLaguerre = MovesBank::kMostFunctions;
+constexpr Index kFewestLaguerre = MovesBank::kFewestFunctions;
 constexpr double kLaguerreTime = 0.6;  // of τ
 constexpr int kPlacebos = 40;
 // Signals with fewer moves are one instrument.
@@ -45,6 +45,10 @@ constexpr double kLeastPlacebo = 1e-2;
 // Time constants nearer than this factor leave the same free response.
 constexpr double kSameLag = 1.3;
 
+absl::Status NothingMoves() {
+  return absl::FailedPreconditionError("no set point and no input moves");
+}
+
 int MovesOf(const RecordSignal& signal) {
   int moves = 0;
   for (const VectorXd& values : signal) {
@@ -53,6 +57,40 @@ int MovesOf(const RecordSignal& signal) {
     }
   }
   return moves;
+}
+
+// Signals that move, and whether set points are among them.
+struct Signals {
+  std::vector<RecordSignal> moving;
+  bool by_set_points = false;
+};
+
+// Set points and measured disturbances; where no set point moves, all inputs.
+Signals SignalsOf(const ProcessModel& model, const ExplainedOutput& output) {
+  const std::vector<Record>& records = output.records();
+  Signals signals;
+  const auto add = [&](auto row_of) {
+    RecordSignal signal;
+    for (const Record& record : records) {
+      signal.push_back(Filled(row_of(record).transpose()));
+    }
+    if (RangeOf(signal) > 0.0) signals.moving.push_back(std::move(signal));
+  };
+  const bool set_points = std::all_of(
+      records.begin(), records.end(),
+      [](const Record& record) { return record.set_points.rows() > 0; });
+  if (set_points) {
+    for (int i = 0; i < model.num_outputs(); ++i) {
+      add([&](const Record& record) { return record.set_points.row(i); });
+    }
+  }
+  signals.by_set_points = !signals.moving.empty();
+  for (const int j : output.possible_inputs()) {
+    const bool measured = model.inputs()[j].role == InputRole::kDisturbance;
+    if (signals.by_set_points && !measured) continue;
+    add([&](const Record& record) { return record.inputs.row(j); });
+  }
+  return signals;
 }
 
 // The moves of the first half of all moves, and the others.
@@ -115,8 +153,8 @@ MovesBank BankOf(const ExplainedOutput& output,
 void MostMoving(const ExplainedOutput& output, const MatrixXd& free,
                 std::vector<RecordSignal>& signals) {
   const auto rows = static_cast<Index>(output.rows().size());
-  const Index most = std::clamp(rows / (kLeastRows * kLaguerre), kLaguerre,
-                                kMostColumns / kFewestLaguerre);
+  const Index most = std::clamp(rows / (kLeastRows * kMostLaguerre),
+                                kMostLaguerre, kMostColumns / kFewestLaguerre);
   if (static_cast<Index>(signals.size()) <= most) return;
   MatrixXd responses(rows, static_cast<Index>(output.inputs().size()));
   for (Index c = 0; c < responses.cols(); ++c) {
@@ -125,7 +163,7 @@ void MostMoving(const ExplainedOutput& output, const MatrixXd& free,
   }
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t s = 0; s < signals.size(); ++s) {
-    MatrixXd columns = BankOf(output, {signals[s]}, kLaguerre).Columns(0.0);
+    MatrixXd columns = BankOf(output, {signals[s]}, kMostLaguerre).Columns(0.0);
     columns -= free * (free.transpose() * columns);
     const Eigen::HouseholderQR<MatrixXd> qr(columns);
     const MatrixXd driven = qr.householderQ().transpose() * responses;
@@ -152,83 +190,77 @@ std::vector<RecordSignal> InHalves(const std::vector<RecordSignal>& signals) {
   return halves;
 }
 
+// Signals in halves in place of whole ones, if there are rows and columns for
+// all functions of each.
+void PartWhereThereIsRoom(Index rows, std::vector<RecordSignal>& signals) {
+  std::vector<RecordSignal> halves = InHalves(signals);
+  const Index columns = kMostLaguerre * static_cast<Index>(halves.size());
+  if (rows >= kLeastRows * columns && columns <= kMostColumns) {
+    signals = std::move(halves);
+  }
+}
+
+// Each `every`-th row of orthonormal columns, made orthonormal again.
+MatrixXd Thinned(const MatrixXd& columns, int every) {
+  if (every == 1) return columns;
+  MatrixXd thinned((columns.rows() + every - 1) / every, columns.cols());
+  for (Index i = 0; i < thinned.rows(); ++i) {
+    thinned.row(i) = columns.row(i * every);
+  }
+  const Eigen::HouseholderQR<MatrixXd> qr(thinned);
+  return qr.householderQ() * MatrixXd::Identity(thinned.rows(), thinned.cols());
+}
+
+// BᵀB of columns B, freed of the orthonormal columns `free`.
+MatrixXd FreedProducts(MatrixXd columns, const MatrixXd& free) {
+  columns -= free * (free.transpose() * columns);
+  MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
+  products.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  return products.selfadjointView<Eigen::Lower>();
+}
+
 }  // namespace
 
 absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
                                                 const ExplainedOutput& output) {
   Instruments made;
-  const std::vector<Record>& records = output.records();
-  std::vector<RecordSignal> signals;
-  const auto add = [&](auto row_of) {
-    RecordSignal signal;
-    for (const Record& record : records) {
-      signal.push_back(Filled(row_of(record).transpose()));
-    }
-    if (RangeOf(signal) > 0.0) signals.push_back(std::move(signal));
-  };
-  const bool set_points = std::all_of(
-      records.begin(), records.end(),
-      [](const Record& record) { return record.set_points.rows() > 0; });
-  if (set_points) {
-    for (int i = 0; i < model.num_outputs(); ++i) {
-      add([&](const Record& record) { return record.set_points.row(i); });
-    }
-  }
-  made.by_set_points_ = !signals.empty();
-  for (const int j : output.possible_inputs()) {
-    const bool measured = model.inputs()[j].role == InputRole::kDisturbance;
-    if (made.by_set_points_ && !measured) continue;
-    add([&](const Record& record) { return record.inputs.row(j); });
-  }
-  if (signals.empty()) {
-    return absl::FailedPreconditionError("no set point and no input moves");
-  }
+  Signals found = SignalsOf(model, output);
+  std::vector<RecordSignal>& signals = found.moving;
+  if (signals.empty()) return NothingMoves();
+  made.by_set_points_ = found.by_set_points;
   for (const RecordSignal& signal : signals) made.moves_ += MovesOf(signal);
   made.free_ = FreeColumns(output);
   MostMoving(output, made.free_, signals);
-  const Index rows = static_cast<Index>(output.rows().size());
-  std::vector<RecordSignal> halves = InHalves(signals);
-  const auto of_halves = kLaguerre * static_cast<Index>(halves.size());
-  if (rows >= kLeastRows * of_halves && of_halves <= kMostColumns) {
-    made.parts_ = static_cast<double>(halves.size()) /
-                  static_cast<double>(signals.size());
-    signals = std::move(halves);
-  }
+  const auto rows = static_cast<Index>(output.rows().size());
+  const auto whole = static_cast<double>(signals.size());
+  PartWhereThereIsRoom(rows, signals);
   const auto count = static_cast<Index>(signals.size());
-  const Index functions =
-      std::min({kLaguerre, rows / (kLeastRows * count), kMostColumns / count});
+  made.parts_ = static_cast<double>(count) / whole;
+  const Index functions = std::min(
+      {kMostLaguerre, rows / (kLeastRows * count), kMostColumns / count});
   if (functions < kFewestLaguerre) {
     return absl::FailedPreconditionError("the records are too short");
   }
   made.bank_ = BankOf(output, signals, functions);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(made.Products(0.0, 1));
+  MLE_RETURN_IF_ERROR(made.FindBasis());
+  made.FindPlacebos(output);
+  return made;
+}
+
+absl::Status Instruments::FindBasis() {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
+      FreedProducts(bank_.Columns(0.0), free_));
   const VectorXd& squares = eigen.eigenvalues();  // in increasing order
   const Index n = squares.size();
-  if (!(squares[n - 1] > 0.0)) {
-    return absl::FailedPreconditionError("no set point and no input moves");
-  }
+  if (!(squares[n - 1] > 0.0)) return NothingMoves();
   Index rank = 0;
   while (rank < n && squares[n - 1 - rank] >
                          kLeastDirection * kLeastDirection * squares[n - 1]) {
     ++rank;
   }
-  made.to_basis_ = eigen.eigenvectors().rightCols(rank) *
-                   squares.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-  made.FindPlacebos(output);
-  return made;
-}
-
-MatrixXd Instruments::Products(double share, int every) const {
-  MatrixXd columns = bank_.Columns(share, every);
-  MatrixXd free(columns.rows(), free_.cols());
-  for (Index i = 0; i < free.rows(); ++i) free.row(i) = free_.row(i * every);
-  const Eigen::HouseholderQR<MatrixXd> qr(free);
-  free = qr.householderQ() * MatrixXd::Identity(free.rows(), free.cols());
-  columns -= free * (free.transpose() * columns);
-  MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
-  products.selfadjointView<Eigen::Lower>().rankUpdate(
-      columns.transpose(), static_cast<double>(every));
-  return products.selfadjointView<Eigen::Lower>();
+  to_basis_ = eigen.eigenvectors().rightCols(rank) *
+              squares.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  return absl::OkStatus();
 }
 
 void Instruments::FindPlacebos(const ExplainedOutput& output) {
@@ -238,12 +270,14 @@ void Instruments::FindPlacebos(const ExplainedOutput& output) {
       1, std::min(
              rows / kLengthRows,
              static_cast<int>(output.tau() / (kLengthRowsPerTau * row_time))));
+  const MatrixXd free = Thinned(free_, every);
   for (int s = 1; s <= kPlacebos; ++s) {
     shares_.push_back(s / (kPlacebos + 1.0));
     // Made orthonormal by the smallest change, so that each direction stays
     // that of the same moves.
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
-        to_basis_.transpose() * Products(shares_.back(), every) * to_basis_);
+        static_cast<double>(every) * to_basis_.transpose() *
+        FreedProducts(bank_.Columns(shares_.back(), every), free) * to_basis_);
     const VectorXd lengths = eigen.eigenvalues().cwiseMax(
         kLeastPlacebo * eigen.eigenvalues().maxCoeff());
     to_placebo_.push_back(to_basis_ * eigen.eigenvectors() *
@@ -261,15 +295,19 @@ VectorXd Instruments::Undriven(const VectorXd& e) const {
   return Freed(e - driven);
 }
 
-VectorXd Instruments::Project(const VectorXd& e,
-                              const VectorXd& weights) const {
-  if ((weights.array() == 1.0).all()) return Project(e);
+std::function<VectorXd(const VectorXd&)> Instruments::ProjectionOf(
+    const VectorXd& weights) const {
+  if ((weights.array() == 1.0).all()) {
+    return [this](const VectorXd& e) { return Project(e); };
+  }
   const MatrixXd weighted = weights.asDiagonal() * free_;
   MatrixXd products = weighted.transpose() * free_;
   products.diagonal().array() += 1e-9;
-  const VectorXd left =
-      e - free_ * products.ldlt().solve(weighted.transpose() * e);
-  return Project(left.cwiseProduct(weights));
+  return [this, weights, weighted,
+          factors = products.ldlt()](const VectorXd& e) {
+    const VectorXd left = e - free_ * factors.solve(weighted.transpose() * e);
+    return Project(left.cwiseProduct(weights));
+  };
 }
 
 MatrixXd Instruments::ProjectPlacebos(const VectorXd& e) const {

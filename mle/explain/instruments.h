@@ -3,11 +3,11 @@
 //
 //   Q    orthonormal basis (rows × r) of the moves of the instruments, the
 //        earlier half of each apart from the later, so that what changed
-//        between them shows; each through up to six discrete Laguerre functions
-//        (three at least, eight rows for each column) with a time constant of
-//        0.6 τ, freed of an offset and a ramp for each
-//        record (a sensor that drifts, a level that is not balanced) and of
-//        what earlier inputs leave, e^{−t/T};
+//        between them shows; each through three to six discrete Laguerre
+//        functions (moves_bank.h; eight rows for each column) with a time
+//        constant of 0.6 τ, freed of an offset and a ramp for each record (a
+//        sensor that drifts, a level that is not balanced) and of what earlier
+//        inputs leave, e^{−t/T};
 //   Q_s  the same with the moves shifted in time by s of the record, joined at
 //        the ends, s = 1/41 … 40/41;
 //   v = Qᵀe,   v_s = Q_sᵀ e.
@@ -28,10 +28,11 @@
 #ifndef MLE_EXPLAIN_INSTRUMENTS_H_
 #define MLE_EXPLAIN_INSTRUMENTS_H_
 
-#include <string>
+#include <functional>
 #include <vector>
 
 #include "Eigen/Core"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/explain/explained_output.h"
 #include "mle/explain/moves_bank.h"
@@ -46,9 +47,8 @@ class Instruments {
 
   // How many instruments each of them was made: 1, or up to 2.
   double parts() const { return parts_; }
-  // r, of Q, and the number of placebos.
+  // r, of Q.
   int rank() const { return static_cast<int>(to_basis_.cols()); }
-  int placebos() const { return static_cast<int>(shares_.size()); }
   // Set points move; if not, inputs stand for them.
   bool by_set_points() const { return by_set_points_; }
   // Moves of the instruments, all together.
@@ -59,9 +59,10 @@ class Instruments {
   // Qᵀe.
   Eigen::VectorXd Project(const Eigen::VectorXd& e) const;
   // The same of the rows of weight one alone, freed of what offsets and free
-  // responses explain of these; rows of weight zero have no part in it.
-  Eigen::VectorXd Project(const Eigen::VectorXd& e,
-                          const Eigen::VectorXd& weights) const;
+  // responses explain of these; rows of weight zero have no part in it. Refers
+  // to these instruments.
+  std::function<Eigen::VectorXd(const Eigen::VectorXd& e)> ProjectionOf(
+      const Eigen::VectorXd& weights) const;
   // Q_sᵀe, a row for each placebo (placebos × r).
   Eigen::MatrixXd ProjectPlacebos(const Eigen::VectorXd& e) const;
   // e without the offsets and free responses nearest to it.
@@ -72,8 +73,8 @@ class Instruments {
  private:
   Instruments() = default;
 
-  // Products of the columns of B_s, freed; from each `every`-th row.
-  Eigen::MatrixXd Products(double share, int every) const;
+  // FailedPrecondition where nothing is left of the moves.
+  absl::Status FindBasis();
   void FindPlacebos(const ExplainedOutput& output);
 
   bool by_set_points_ = false;

@@ -11,8 +11,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kFewestFunctions = 3;
-constexpr int kMostFunctions = 6;
 // A sample's functions side by side.
 using Functions =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -43,22 +41,22 @@ void RunLaguerre(const VectorXd& signal, double pole, bool summed,
   }
 }
 
+// The same, their number being that of the columns of `result`.
+template <int kFunctions = MovesBank::kFewestFunctions>
+void RunAsMany(const VectorXd& signal, double pole, bool summed,
+               Functions& result) {
+  if constexpr (kFunctions < MovesBank::kMostFunctions) {
+    if (result.cols() > kFunctions) {
+      return RunAsMany<kFunctions + 1>(signal, pole, summed, result);
+    }
+  }
+  RunLaguerre<kFunctions>(signal, pole, summed, result);
+}
+
 Functions LaguerreOf(const VectorXd& signal, double pole, int functions,
                      bool summed) {
   Functions result(signal.size(), functions);
-  switch (functions) {
-    case 3:
-      RunLaguerre<3>(signal, pole, summed, result);
-      break;
-    case 4:
-      RunLaguerre<4>(signal, pole, summed, result);
-      break;
-    case 5:
-      RunLaguerre<5>(signal, pole, summed, result);
-      break;
-    default:
-      RunLaguerre<kMostFunctions>(signal, pole, summed, result);
-  }
+  RunAsMany(signal, pole, summed, result);
   return result;
 }
 

@@ -28,8 +28,12 @@ double RangeOf(const RecordSignal& signal);
 
 class MovesBank {
  public:
+  // Functions of each signal.
+  static constexpr int kFewestFunctions = 3;
+  static constexpr int kMostFunctions = 6;
+
   MovesBank() = default;
-  // Of signals that move; three to six functions, `time` is T.
+  // Of signals that move; F is `functions`, within its bounds, and T `time`.
   MovesBank(const ExplainedOutput& output,
             const std::vector<RecordSignal>& signals, int functions,
             double time);

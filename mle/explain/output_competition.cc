@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -93,23 +94,19 @@ absl::StatusOr<std::unique_ptr<OutputCompetition>> OutputCompetition::Create(
 
 double OutputCompetition::Energy(
     const std::vector<Explanation>& explanations) const {
-  return ValueAt(explanations).squaredNorm();
+  return projected_(explanations).squaredNorm();
 }
 
 MatrixXd OutputCompetition::Jacobian(
     const std::vector<Explanation>& explanations) const {
-  return JacobianOf(
-      output_,
-      [this](const std::vector<Explanation>& at) { return ValueAt(at); },
-      explanations, ValueAt(explanations));
+  return JacobianOf(output_, std::cref(projected_), explanations,
+                    projected_(explanations));
 }
 
 OutputCompetition::Fit OutputCompetition::Estimate(
     std::vector<Explanation> explanations) const {
-  return FitExplanations(
-      output_,
-      [this](const std::vector<Explanation>& at) { return ValueAt(at); },
-      std::move(explanations));
+  return FitExplanations(output_, std::cref(projected_),
+                         std::move(explanations));
 }
 
 double OutputCompetition::Score(const std::vector<Explanation>& explanations,
@@ -125,7 +122,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
     MatrixXd& directions) const {
   std::vector<Fit> looks;
   std::vector<VectorXd> tried;
-  const VectorXd at = ValueAt(taken);
+  const VectorXd at = projected_(taken);
   for (const Explanation& one : output_.Applicable(taken)) {
     if (Contains(taken, one)) continue;
     // A path to inputs that answer the output looks like a new one from them.
@@ -143,7 +140,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
         with.push_back(one);
         with.back().value = start;
         with.back().part = part;
-        const VectorXd value = ValueAt(with);
+        const VectorXd value = projected_(with);
         if (!value.allFinite()) continue;
         const VectorXd change = value - at;
         tried.push_back(change);

@@ -74,10 +74,6 @@ class OutputCompetition {
           return instruments_.Project(e);
         }) {}
 
-  // Qᵀe.
-  Eigen::VectorXd ValueAt(const std::vector<Explanation>& explanations) const {
-    return projected_.At(explanations);
-  }
   Eigen::MatrixXd Jacobian(const std::vector<Explanation>& explanations) const;
   Fit Estimate(std::vector<Explanation> explanations) const;
   // The best of each explanation beside `taken`, best first; the directions
@@ -124,7 +120,7 @@ class OutputCompetition {
   ExplainedOutput output_;
   Instruments instruments_;
   ExplainOptions options_;
-  ProjectedResidual projected_;
+  ProjectedResidual projected_;  // Qᵀe
   std::optional<double> feedback_p_value_;
   std::vector<TakenExplanation> taken_;
   std::vector<TakenExplanation> next_;

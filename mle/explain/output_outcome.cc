@@ -19,7 +19,10 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
+
+// The share of a sample by which means of what lies between samples shift it,
+// with what they seem to.
+constexpr double kMostOfSample = 0.75;
 
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.

@@ -31,7 +31,8 @@ class ProjectedResidual {
         measured_(map_(output.Measured())),
         cache_(static_cast<double>(measured_.size())) {}
 
-  Eigen::VectorXd At(const std::vector<Explanation>& explanations) const {
+  Eigen::VectorXd operator()(
+      const std::vector<Explanation>& explanations) const {
     if (output_.IsCurved(explanations)) {
       return map_(output_.Residual(explanations));
     }

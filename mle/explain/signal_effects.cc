@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mle/model/element_response.h"
+
 namespace mle {
 namespace {
 
@@ -10,31 +12,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 }  // namespace
-
-VectorXd Filled(const Eigen::Ref<const VectorXd>& values) {
-  VectorXd filled = values;
-  double last = 0.0;
-  for (const double value : values) {
-    if (std::isfinite(value)) {
-      last = value;
-      break;
-    }
-  }
-  for (double& value : filled) {
-    if (std::isfinite(value)) {
-      last = value;
-    } else {
-      value = last;
-    }
-  }
-  return filled;
-}
-
-SampledDelay SampledDelayOf(double delay, double sample_time) {
-  const double samples = std::clamp(delay / sample_time, 0.0, 1e8);
-  const double whole = std::floor(samples);
-  return {.whole = static_cast<int>(whole), .fraction = samples - whole};
-}
 
 VectorXd TwoLags(double rising, double falling, double sample_time,
                  double delay, double sign, const VectorXd& input) {

@@ -5,16 +5,8 @@
 #define MLE_EXPLAIN_SIGNAL_EFFECTS_H_
 
 #include "Eigen/Core"
-#include "mle/model/element_response.h"
 
 namespace mle {
-
-// A signal without gaps: a value that is not finite becomes the last finite one
-// before it, at the start the first one; all become 0 where none is finite.
-Eigen::VectorXd Filled(const Eigen::Ref<const Eigen::VectorXd>& values);
-
-// A dead time in whole samples and a rest.
-SampledDelay SampledDelayOf(double delay, double sample_time);
 
 // The response of a first-order element of gain one to `input`, with the time
 // constant `falling` where its output times `sign` falls.

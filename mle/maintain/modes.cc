@@ -56,8 +56,10 @@ const std::map<std::string, double>& ModeWords() {
 }
 
 constexpr std::string_view kKnown =
-    "choose from MAN, AUTO, CAS, RCAS, ROUT, IMAN, LO, ON, OFF, SHED, STANDBY, "
-    "TRK, OOS, INIT, 1 and 0";
+    "choose from MAN, MANUAL, LOCAL, OFF, SHED, STANDBY, WARM and 0, CAS, "
+    "RCAS, "
+    "ROUT, BCAS, REMOTE, PRD, ON and 1, AUTO, IMAN, INIT, TRK, LO, OOS and "
+    "HOLD";
 
 struct Place {
   int input = ByHand::kNone;

@@ -1,11 +1,12 @@
 // Tags of modes: when a controller, the loop of an output, or the loop below an
 // input was in use. Words are those of control systems, and 1 and 0:
 //
-//   by hand           MAN, MANUAL, LOCAL, OFF, SHED, STANDBY, 0
-//   by the controller CAS, RCAS, ROUT, REMOTE, ON, 1
+//   by hand           MAN, MANUAL, LOCAL, OFF, SHED, STANDBY, WARM, 0
+//   by the controller CAS, RCAS, ROUT, BCAS, REMOTE, PRD, ON, 1
 //   AUTO              by the controller; of an input by hand, as its loop then
 //                     has a set point of its own
-//   neither           IMAN, INIT, TRK, LO, OOS: the input tracks something
+//   neither           IMAN, INIT, TRK, LO, OOS, HOLD: the input tracks
+//   something
 //
 // Moves by hand are the best evidence there is: each is a change around which a
 // window is made. A set point says nothing while its loop is by hand, as most

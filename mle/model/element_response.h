@@ -29,6 +29,8 @@
 #ifndef MLE_MODEL_ELEMENT_RESPONSE_H_
 #define MLE_MODEL_ELEMENT_RESPONSE_H_
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "Eigen/Core"
@@ -50,6 +52,13 @@ struct SampledDelay {
   int whole = 0;          // q ≥ 0
   double fraction = 0.0;  // f in [0, 1]
 };
+
+// f < 1, of a dead time that counts as at least 0 and at most 1e8 samples.
+inline SampledDelay SampledDelayOf(double delay, double sample_time) {
+  const double samples = std::clamp(delay / sample_time, 0.0, 1e8);
+  const double whole = std::floor(samples);
+  return {.whole = static_cast<int>(whole), .fraction = samples - whole};
+}
 
 class ElementRun;
 

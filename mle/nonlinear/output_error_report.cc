@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -74,11 +73,9 @@ void AppendColour(const NoiseEstimate& noise, std::string& report) {
 MatrixXd StepDerivatives(const ElementResponse& element,
                          const ElementValues& values, double sample_time,
                          int samples) {
-  const int whole = static_cast<int>(values.delay / sample_time);
-  const SampledDelay delay = {
-      whole, std::clamp(values.delay / sample_time - whole, 0.0, 1.0)};
   MatrixXd columns(samples, 3);
-  element.Simulate(values.time_scale, sample_time, delay,
+  element.Simulate(values.time_scale, sample_time,
+                   SampledDelayOf(values.delay, sample_time),
                    VectorXd::Ones(samples), 0.0, columns);
   columns.col(1) *= values.gain / values.time_scale;
   columns.col(2) *= values.gain;

@@ -50,16 +50,6 @@ MatrixXd Rounded(const MatrixXd& levels, bool down) {
   return rounded;
 }
 
-absl::StatusOr<std::vector<PlanRow>> RowsOf(const PlanProblem& problem) {
-  std::vector<PlanRow> rows;
-  for (int i = 0; i < problem.plant.num_outputs(); ++i) {
-    MLE_ASSIGN_OR_RETURN(
-        PlanRow row, PlanRow::Create(problem.plant, i, problem.sample_time));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 class PlanMaker {
  public:
   PlanMaker(const PlanProblem& problem, const PlanOptions& options)
@@ -74,8 +64,6 @@ class PlanMaker {
   // Sets the errors after a plan, root mean squares over plants_; the largest
   // over that wanted.
   absl::StatusOr<double> AnswerBy(const PlanShape& shape);
-  // The plan's record for the estimate, with what is before it.
-  Record WithLead(const Record& expected) const;
   // Those over which squared errors are averaged.
   absl::Status ChoosePlants(const std::vector<ProcessModel>& drawn);
   absl::StatusOr<Record> Expect(const PlanShape& shape) const;
@@ -115,13 +103,8 @@ absl::StatusOr<std::vector<OpenQuestion>> PlanMaker::Ask(
   std::vector<OpenQuestion> open;
   for (const PlanQuestion& question : problem_.questions) {
     const auto i = static_cast<std::size_t>(question.output);
-    OpenQuestion asked{
-        question, rows[i].Place(question.input, question.parameter), known_[i]};
-    if (asked.place < 0) {
-      return InvalidArgument(
-          "plan: ", PairName(problem_.plant, question.output, question.input),
-          " has no time constant to be known");
-    }
+    OpenQuestion asked{question, rows[i].PlaceOfGain(question.input),
+                       known_[i]};
     if (question.alone) asked.information.setZero();
     const double before = ErrorBy(asked.information, asked.place);
     plan_.answers.push_back({question, before, before});
@@ -130,45 +113,21 @@ absl::StatusOr<std::vector<OpenQuestion>> PlanMaker::Ask(
   return open;
 }
 
-Record PlanMaker::WithLead(const Record& expected) const {
-  // The first samples of a window are not used while former inputs may act.
-  const auto lead = static_cast<Index>(
-      std::ceil(SettlingTime(problem_.plant) / problem_.sample_time));
-  const Index samples = expected.outputs.cols();
-  Record record;
-  record.sample_time = problem_.sample_time;
-  record.outputs = MatrixXd::Zero(expected.outputs.rows(), lead + samples);
-  record.inputs = MatrixXd::Zero(expected.inputs.rows(), lead + samples);
-  record.outputs.rightCols(samples) = expected.outputs;
-  record.inputs.rightCols(samples) = expected.inputs;
-  return record;
-}
-
 absl::StatusOr<double> PlanMaker::AnswerBy(const PlanShape& shape) {
   const MatrixXd set_points = SetPointsOf(shape, 1.0, grid_);
   std::vector<double> variances(plan_.answers.size(), 0.0);
   double count = 0.0;
   for (std::size_t d = 0; d < plants_.size(); ++d) {
     const ProcessModel& plant = plants_[d];
-    PlanProblem problem = problem_;
-    problem.plant = plant;
-    MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows, RowsOf(problem));
     const absl::StatusOr<Record> expected = problem_.loop(plant, set_points);
     if (d > 0 && absl::IsFailedPrecondition(expected.status())) continue;
     MLE_RETURN_IF_ERROR(expected.status());
     ++count;
-    MLE_ASSIGN_OR_RETURN(const std::vector<MatrixXd> by_plan,
-                         InformationOfWindows(problem, {WithLead(*expected)},
-                                              rows, options_.threads));
-    for (std::size_t a = 0; a < plan_.answers.size(); ++a) {
-      const PlanQuestion& question = plan_.answers[a].question;
-      const auto i = static_cast<std::size_t>(question.output);
-      MatrixXd information = by_plan[i];
-      // Windows are independent of each other.
-      if (!question.alone) information += known_[i];
-      const double error = ErrorBy(
-          information, rows[i].Place(question.input, question.parameter));
-      variances[a] += error * error;
+    MLE_ASSIGN_OR_RETURN(
+        const std::vector<double> errors,
+        ErrorsAfter(problem_, plant, *expected, known_, options_.threads));
+    for (std::size_t a = 0; a < errors.size(); ++a) {
+      variances[a] += errors[a] * errors[a];
     }
   }
   double most = 0.0;
@@ -330,13 +289,13 @@ absl::Status PlanMaker::KeepLimits(const std::vector<int>& beyond,
 
 absl::StatusOr<Plan> PlanMaker::Make() {
   MLE_RETURN_IF_ERROR(CheckProblem(problem_, options_));
-  MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows, RowsOf(problem_));
+  MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows,
+                       RowsOf(problem_.plant, problem_.sample_time));
   MLE_ASSIGN_OR_RETURN(std::vector<OpenQuestion> open, Ask(rows));
   if (open.empty()) return std::move(plan_);
   grid_ = MakePlanGrid(problem_, options_);
   MLE_ASSIGN_OR_RETURN(std::vector<ProcessModel> drawn,
                        DrawPlants(problem_, options_));
-  plan_.plants = static_cast<int>(drawn.size());
   MLE_RETURN_IF_ERROR(ChoosePlants(drawn));
   MLE_ASSIGN_OR_RETURN(ShapeEvaluator evaluator,
                        ShapeEvaluator::Create(problem_, options_, grid_,

@@ -1,5 +1,5 @@
-// The least costly change of set points after which stated parameters of a
-// model are known as well as is wanted.
+// The least costly change of set points after which stated gains of a model are
+// known as well as is wanted.
 //
 // A plan moves the set points from where they stand, by r(t), and back, in a
 // few steps; the loop answers with the expected deviations y(t) of the outputs
@@ -59,15 +59,11 @@
 
 namespace mle {
 
-enum class PlanParameter { kGain, kTimeConstant, kDelay };
-
-// A parameter, and how well it is to be known.
+// A gain, and how well it is to be known.
 struct PlanQuestion {
   int output = 0;
   int input = 0;  // not a disturbance
-  PlanParameter parameter = PlanParameter::kGain;
-  // Standard error in (0, 1], as a share of the parameter; of a dead time in
-  // units of s.
+  // Standard error in (0, 1], as a share of the gain.
   double error = 0.1;
   // By the plan's record alone: the others are in doubt.
   bool alone = false;
@@ -167,8 +163,7 @@ struct Plan {
   Eigen::MatrixXd high_outputs;
   Eigen::MatrixXd low_inputs;
   Eigen::MatrixXd high_inputs;
-  int plants = 0;    // drawn
-  int left_out = 0;  // of them: the loop would not hold them
+  int left_out = 0;  // plants of those drawn: the loop would not hold them
 };
 
 // InvalidArgument for options and problems that are wrong, and for limits that

@@ -39,12 +39,8 @@ bool ComesToRest(const Record& record) {
 
 absl::StatusOr<std::vector<ProcessModel>> DrawPlants(
     const PlanProblem& problem, const PlanOptions& options) {
-  std::vector<PlanRow> rows;
-  for (int i = 0; i < problem.plant.num_outputs(); ++i) {
-    MLE_ASSIGN_OR_RETURN(
-        PlanRow row, PlanRow::Create(problem.plant, i, problem.sample_time));
-    rows.push_back(std::move(row));
-  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows,
+                       RowsOf(problem.plant, problem.sample_time));
   MLE_ASSIGN_OR_RETURN(
       const std::vector<MatrixXd> informations,
       InformationOfWindows(problem, problem.windows, rows, options.threads));

@@ -22,10 +22,18 @@ constexpr double kLargestChange = 1.5;
 // Nothing is known of a parameter: a standard error of ten times its size.
 constexpr double kUnknown = 1e-2;
 
-SampledDelay DelayOf(double delay, double sample_time) {
-  const double samples = delay / sample_time;
-  const double whole = std::floor(samples);
-  return {static_cast<int>(whole), samples - whole};
+// The first samples of a window are not used while former inputs may act.
+Record WithRestBefore(const PlanProblem& problem, const Record& plan) {
+  const auto rest = static_cast<Index>(
+      std::ceil(SettlingTime(problem.plant) / problem.sample_time));
+  const Index samples = plan.outputs.cols();
+  Record record;
+  record.sample_time = problem.sample_time;
+  record.outputs = MatrixXd::Zero(plan.outputs.rows(), rest + samples);
+  record.inputs = MatrixXd::Zero(plan.inputs.rows(), rest + samples);
+  record.outputs.rightCols(samples) = plan.outputs;
+  record.inputs.rightCols(samples) = plan.inputs;
+  return record;
 }
 
 }  // namespace
@@ -54,14 +62,9 @@ absl::StatusOr<PlanRow> PlanRow::Create(const ProcessModel& plant, int output,
   return row;
 }
 
-Index PlanRow::Place(int input, PlanParameter parameter) const {
+Index PlanRow::PlaceOfGain(int input) const {
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (elements_[e].input != input) continue;
-    if (parameter == PlanParameter::kTimeConstant &&
-        !elements_[e].response.has_time_scale()) {
-      return -1;
-    }
-    return static_cast<Index>(3 * e) + static_cast<Index>(parameter);
+    if (elements_[e].input == input) return static_cast<Index>(3 * e);
   }
   return -1;
 }
@@ -74,8 +77,8 @@ MatrixXd PlanRow::Sensitivities(const MatrixXd& inputs) const {
     const ElementValues& values = element.response.initial_values();
     const VectorXd input = inputs.row(element.input).transpose();
     element.response.Simulate(values.time_scale, sample_time_,
-                              DelayOf(values.delay, sample_time_), input, 0.0,
-                              columns);
+                              SampledDelayOf(values.delay, sample_time_), input,
+                              0.0, columns);
     sensitivities.row(first) = element.units(0) * columns.col(0).transpose();
     sensitivities.row(first + 1) = values.gain * columns.col(1).transpose();
     sensitivities.row(first + 2) =
@@ -132,6 +135,16 @@ void PlanRow::Change(const VectorXd& change, ProcessModel& plant) const {
   }
 }
 
+absl::StatusOr<std::vector<PlanRow>> RowsOf(const ProcessModel& plant,
+                                            double sample_time) {
+  std::vector<PlanRow> rows;
+  for (int i = 0; i < plant.num_outputs(); ++i) {
+    MLE_ASSIGN_OR_RETURN(PlanRow row, PlanRow::Create(plant, i, sample_time));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 void WhitenRows(const NoiseEstimate& noise, MatrixXd& series) {
   NoiseEstimate shape = noise;
   shape.ratio = std::max(noise.ratio, kLeastRatio);
@@ -174,6 +187,28 @@ double ErrorBy(const MatrixXd& information, Index place) {
   const double variance = known.ldlt().solve(VectorXd::Unit(n, place))(place);
   constexpr double kShareLeft = 0.5;
   return variance < kShareLeft / kUnknown ? std::sqrt(variance) : kInfinity;
+}
+
+absl::StatusOr<std::vector<double>> ErrorsAfter(
+    const PlanProblem& problem, const ProcessModel& plant, const Record& plan,
+    const std::vector<MatrixXd>& known, int threads) {
+  PlanProblem with_plant = problem;
+  with_plant.plant = plant;
+  MLE_ASSIGN_OR_RETURN(const std::vector<PlanRow> rows,
+                       RowsOf(plant, problem.sample_time));
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<MatrixXd> by_plan,
+      InformationOfWindows(with_plant, {WithRestBefore(problem, plan)}, rows,
+                           threads));
+  std::vector<double> errors;
+  for (const PlanQuestion& question : problem.questions) {
+    const auto i = static_cast<std::size_t>(question.output);
+    MatrixXd information = by_plan[i];
+    // Windows are independent of each other.
+    if (!question.alone) information += known[i];
+    errors.push_back(ErrorBy(information, rows[i].PlaceOfGain(question.input)));
+  }
+  return errors;
 }
 
 }  // namespace mle

@@ -25,8 +25,8 @@ class PlanRow {
   int output() const { return output_; }
   // n: three for each element present.
   Eigen::Index num_parameters() const { return 3 * std::ssize(elements_); }
-  // −1 where the element is absent.
-  Eigen::Index Place(int input, PlanParameter parameter) const;
+  // Of the gain among the parameters; −1 where the element is absent.
+  Eigen::Index PlaceOfGain(int input) const;
   // n × N: ∂(output)/∂θ under these inputs (m × N), which are deviations.
   Eigen::MatrixXd Sensitivities(const Eigen::MatrixXd& inputs) const;
   // n × n, from the covariance (3m × 3m) of the gains, time constants and dead
@@ -48,6 +48,10 @@ class PlanRow {
   std::vector<Element> elements_;
 };
 
+// Of all outputs, in their order.
+absl::StatusOr<std::vector<PlanRow>> RowsOf(const ProcessModel& plant,
+                                            double sample_time);
+
 // The rows of `series` (n × N) through the stationary filter of the noise, in
 // units of its innovations' deviation.
 void WhitenRows(const NoiseEstimate& noise, Eigen::MatrixXd& series);
@@ -60,6 +64,13 @@ absl::StatusOr<std::vector<Eigen::MatrixXd>> InformationOfWindows(
 // The standard error of parameter `place` by this information, infinite where
 // it does not determine it.
 double ErrorBy(const Eigen::MatrixXd& information, Eigen::Index place);
+
+// Standard errors of the questions with a plan whose record of `plant` is
+// `plan` (deviations, from rest), beside what is known, I₀ of each output (p),
+// which a question that asks for the plan alone leaves out.
+absl::StatusOr<std::vector<double>> ErrorsAfter(
+    const PlanProblem& problem, const ProcessModel& plant, const Record& plan,
+    const std::vector<Eigen::MatrixXd>& known, int threads);
 
 }  // namespace mle
 

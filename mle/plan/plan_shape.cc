@@ -30,7 +30,13 @@ constexpr double kOutOfReach = 1e3;
 constexpr double kPriceOfMove = 0.02;
 constexpr double kPriceOfTime = 0.03;
 
-// E|m + σ z| − E|σ z|.
+VectorXd Room(const VectorXd& limits, const VectorXd& from, double sign) {
+  if (limits.size() == 0) return VectorXd::Constant(from.size(), kInfinity);
+  return sign * (limits - from);
+}
+
+}  // namespace
+
 double MoreAbsolute(double m, double deviation) {
   if (!(deviation > 0.0)) return std::abs(m);
   const double unit = m / deviation;
@@ -38,13 +44,6 @@ double MoreAbsolute(double m, double deviation) {
              (std::exp(-0.5 * unit * unit) - 1.0) +
          m * std::erf(unit / std::numbers::sqrt2);
 }
-
-VectorXd Room(const VectorXd& limits, const VectorXd& from, double sign) {
-  if (limits.size() == 0) return VectorXd::Constant(from.size(), kInfinity);
-  return sign * (limits - from);
-}
-
-}  // namespace
 
 int PlanShape::duration() const {
   return repeats * std::accumulate(holds.begin(), holds.end(), 0);

@@ -70,6 +70,9 @@ struct ShapeValue {
   bool upper = true;
 };
 
+// E|m + σ z| − E|σ z|, z standard normal, σ = `deviation` ≥ 0.
+double MoreAbsolute(double m, double deviation);
+
 class ShapeEvaluator {
  public:
   // Simulates the steps. `plants` are those over which squared errors are

@@ -7,6 +7,7 @@
 #include "Eigen/Cholesky"
 #include "mle/base/status.h"
 #include "mle/maintain/correct.h"
+#include "mle/maintain/select_output.h"
 #include "mle/trial/set_point_shapes.h"
 
 namespace mle {
@@ -39,32 +40,13 @@ int InRows(double share, double rows_of_settling) {
 
 // Outputs whose responses differ.
 std::vector<int> ChangedOutputs(const ProcessModel& in_use,
-                                const ProcessModel& proposed, double settling) {
-  constexpr int kSamples = 201;
-  const double step = settling / (kSamples - 1);
-  const ResponseDistance distance =
-      CompareResponses(in_use.ComputeStepResponse(step, kSamples),
-                       proposed.ComputeStepResponse(step, kSamples));
+                                const ProcessModel& proposed) {
+  const MatrixXd distances = CompareElements(in_use, proposed);
   std::vector<int> changed;
   for (int i = 0; i < in_use.num_outputs(); ++i) {
-    if (distance.elements.row(i).maxCoeff() > kSameResponse) {
-      changed.push_back(i);
-    }
+    if (distances.row(i).maxCoeff() > kSameResponse) changed.push_back(i);
   }
   return changed;
-}
-
-ProcessModel RowsOf(const ProcessModel& model,
-                    const std::vector<int>& outputs) {
-  std::vector<OutputChannel> channels;
-  for (const int i : outputs) channels.push_back(model.outputs()[i]);
-  ProcessModel rows(model.name(), model.time_unit(), model.inputs(), channels);
-  for (std::size_t r = 0; r < outputs.size(); ++r) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      rows.element(static_cast<int>(r), j) = model.element(outputs[r], j);
-    }
-  }
-  return rows;
 }
 
 // The last column of `values` becomes `column`; of more than `most` columns the
@@ -89,6 +71,15 @@ MatrixXd MovingShapes(const MatrixXd& shapes) {
 
 }  // namespace
 
+MatrixXd CompareElements(const ProcessModel& from, const ProcessModel& to) {
+  constexpr int kSamples = 201;
+  const double step =
+      std::max(SettlingTime(from), SettlingTime(to)) / (kSamples - 1);
+  return CompareResponses(from.ComputeStepResponse(step, kSamples),
+                          to.ComputeStepResponse(step, kSamples))
+      .elements;
+}
+
 absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
                                               const ProcessModel& proposed,
                                               double sample_time,
@@ -111,14 +102,14 @@ absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
   trial.sample_time_ = sample_time;
   trial.options_ = options;
   TrialModels& models = trial.models_;
-  models.outputs = ChangedOutputs(in_use, proposed, settling);
+  models.outputs = ChangedOutputs(in_use, proposed);
   if (models.outputs.empty()) {
     return absl::InvalidArgumentError(
         "trial: the proposed model is the model in use: no step response "
         "differs by more than 0.1 %");
   }
-  models.in_use = RowsOf(in_use, models.outputs);
-  models.proposed = RowsOf(proposed, models.outputs);
+  models.in_use = SelectPart(in_use, models.outputs);
+  models.proposed = SelectPart(proposed, models.outputs);
   MLE_RETURN_IF_ERROR(CheckNotIntegrating(models.in_use, "a trial"));
   MLE_RETURN_IF_ERROR(CheckNotIntegrating(models.proposed, "a trial"));
   for (int j = 0; j < in_use.num_inputs(); ++j) {

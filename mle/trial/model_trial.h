@@ -74,6 +74,12 @@
 
 namespace mle {
 
+// How far the step responses of two models of the same channels differ over the
+// longer of their settling times (p × m): ResponseDistance::elements of
+// mle/maintain/correct.h.
+Eigen::MatrixXd CompareElements(const ProcessModel& from,
+                                const ProcessModel& to);
+
 class ModelTrial {
  public:
   // InvalidArgument for options, models that differ in channels or not at all,
@@ -104,8 +110,6 @@ class ModelTrial {
   TrialVerdict verdict() const { return JudgeTrial(state_, options_); }
   const TrialState& state() const { return state_; }
   int Lead() const { return plan_.forgetting; }
-  // Outputs whose model changes (r).
-  const std::vector<int>& outputs() const { return models_.outputs; }
 
  private:
   ModelTrial() = default;

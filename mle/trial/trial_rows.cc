@@ -76,21 +76,6 @@ MatrixXd MeansOf(const MatrixXd& values, Index offset, Index samples) {
   return means;
 }
 
-// Values that are not known stay; before the first known one, at that.
-MatrixXd Held(MatrixXd held) {
-  for (Index i = 0; i < held.rows(); ++i) {
-    double last = 0.0;
-    for (Index k = held.cols(); k-- > 0;) {
-      if (std::isfinite(held(i, k))) last = held(i, k);
-    }
-    for (Index k = 0; k < held.cols(); ++k) {
-      if (std::isfinite(held(i, k))) last = held(i, k);
-      held(i, k) = last;
-    }
-  }
-  return held;
-}
-
 }  // namespace
 
 absl::StatusOr<TrialRows> MakeTrialRows(const TrialModels& models,
@@ -106,8 +91,9 @@ absl::StatusOr<TrialRows> MakeTrialRows(const TrialModels& models,
   TrialRows rows;
   rows.first = (first - offset) / plan.samples;
   const bool by_hand = record.set_points.size() == 0;
-  rows.shapes = SetPointShapes(
-      means(Held(by_hand ? record.inputs : record.set_points)), plan.pole);
+  MatrixXd moving = by_hand ? record.inputs : record.set_points;
+  for (auto row : moving.rowwise()) row = Filled(row.transpose()).transpose();
+  rows.shapes = SetPointShapes(means(moving), plan.pole);
   rows.differences = means(simulated.proposed - simulated.in_use);
   rows.in_use = means(measured - simulated.in_use);
   rows.proposed = means(measured - simulated.proposed);

@@ -101,6 +101,18 @@ TEST(MleCorrectPlan, PricesAndTighterLimits) {
   EXPECT_LE(double{hindered["duration"]}, 5.0);
 }
 
+TEST(MleCorrectPlan, OptionsOfAPlanAreRefusedWithoutOne) {
+  const HeaterExample example(Heater(), kQuiet);
+  for (const char* option : {"--plan_error=0.05", "--plan_longest=50",
+                             "--plan_set_points=y1", "--plan_max_output=9"}) {
+    const report::ProcessResult run = RunTested(
+        CorrectionFlags(example.model, example.data, example.out, {option}));
+    EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
+    const std::string name(option, std::string(option).find('='));
+    EXPECT_THAT(run.err, HasSubstr(name + ": a plan is made with --plan"));
+  }
+}
+
 TEST(MleCorrectPlan, RefusesBadInputInALine) {
   const HeaterExample example(Heater(), kQuiet);
   const auto refusal = [&](const std::vector<std::string>& more) {

@@ -29,6 +29,14 @@ TEST(SetPointProfileTest, StepBetweenSamplesShowsAtTheNextOne) {
   EXPECT_EQ(r, (Eigen::RowVectorXd(6) << 0, 0, 0, 0, 1, 1).finished());
 }
 
+TEST(SetPointProfileTest, ProfileOfSamplesHasThem) {
+  Eigen::MatrixXd samples(2, 6);
+  samples << 1, 1, 0, 0, 3, 3, 0, 0, 0, -2, -2, 0;
+  const SetPointProfile profile = ProfileOf(samples, 0.2);
+  EXPECT_EQ(profile.steps.size(), 5u);
+  EXPECT_EQ(profile.Sample(2, 0.2, 6), samples);
+}
+
 // 0.1 · 3 and 0.6/0.2 are not whole in binary.
 TEST(SetPointProfileTest, StepOnASampleButForRoundingShowsThere) {
   for (const double time : {0.6, 0.2 * 3.0, 0.6 + 1e-11, 0.6 - 1e-11}) {

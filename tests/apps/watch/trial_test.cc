@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "apps/watch/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/model/process_simulator.h"
@@ -13,6 +14,7 @@ namespace mle::watch {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 ProcessModel TankOf(double gain) {
   ProcessModel tank("tank", "min", {{.name = "steam"}}, {{.name = "level"}});
@@ -131,6 +133,27 @@ TEST(WatchTrialTest, ListSaysWhatBecomesOfATrial) {
   adopted.trials = CarryTrials(TankOf(1.8), watch);
   EXPECT_EQ(CarryTrials(TankOf(2.0), adopted)[0].ended, "rolled_back");
   EXPECT_TRUE(HasFailed(CarryTrials(TankOf(2.0), adopted)[0]));
+}
+
+// What a trial advised last is no advice any more once it has ended.
+TEST(WatchTrialTest, OverTrialsGiveNoAdvice) {
+  Watch watch = WatchOnTrial(6);
+  const auto report_of = [&] {
+    return std::vector<Report>{
+        {.name = "a", .watch = &watch, .trial = MakeTrialReport(watch, 60.0)}};
+  };
+  EXPECT_FALSE(report_of()[0].trial->IsOver());
+  EXPECT_THAT(
+      FormatMetrics(report_of(), 0),
+      HasSubstr("mle_watch_trial{controller=\"a\",advice=\"adopt\"} 1"));
+  EXPECT_THAT(FormatControllers(report_of()),
+              HasSubstr("\"trial\": \"adopt\""));
+  for (const char* ended : {"dropped", "rolled_back", "replaced", "kept"}) {
+    watch.trials[0].ended = ended;
+    EXPECT_TRUE(report_of()[0].trial->IsOver());
+    EXPECT_THAT(FormatMetrics(report_of(), 0), Not(HasSubstr("advice=")));
+    EXPECT_THAT(FormatControllers(report_of()), HasSubstr("\"trial\": null"));
+  }
 }
 
 TEST(WatchTrialTest, WhatCannotBeTriedSaysWhy) {

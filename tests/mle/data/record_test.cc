@@ -150,6 +150,13 @@ TEST(CutWindowTest, SaysWhatTheRecordHolds) {
               HasSubstr("the record is empty"));
 }
 
+TEST(FilledTest, HoldsTheLastValueKnown) {
+  const Eigen::Vector<double, 6> gaps{kNaN, 2.0, kNaN, kInfinity, 3.0, kNaN};
+  EXPECT_EQ(Filled(gaps),
+            (Eigen::Vector<double, 6>{2.0, 2.0, 2.0, 2.0, 3.0, 3.0}));
+  EXPECT_EQ(Filled(Eigen::Vector2d{kNaN, kNaN}), Eigen::Vector2d::Zero());
+}
+
 TEST(CutWindowTest, WorksWithoutSetPoints) {
   Record record = Example(30);
   record.set_points.resize(0, 0);

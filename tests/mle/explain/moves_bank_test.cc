@@ -95,7 +95,7 @@ TEST(ProjectedResidualTest, IsTheMapOfTheResidual) {
   for (int round = 0; round < 2; ++round) {
     for (const std::vector<Explanation>& explanations : cases) {
       const Eigen::VectorXd expected = map * output->Residual(explanations);
-      EXPECT_LT((projected.At(explanations) - expected).norm(),
+      EXPECT_LT((projected(explanations) - expected).norm(),
                 1e-11 * (map * output->Measured()).norm());
     }
   }

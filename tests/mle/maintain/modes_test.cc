@@ -57,6 +57,18 @@ std::string ByHandIn(const std::vector<std::string>& modes,
   return text;
 }
 
+// The words of docs/records.md.
+TEST(ModesTest, WordsOfTheDocumentsAreKnown) {
+  const auto are_one_mode = [](const std::vector<std::string>& words) {
+    const absl::StatusOr<double> first = ModeCode(words[0]);
+    ASSERT_TRUE(first.ok()) << first.status();
+    for (const std::string& word : words) EXPECT_EQ(*ModeCode(word), *first);
+  };
+  are_one_mode({"MAN", "MANUAL", "LOCAL", "OFF", "SHED", "STANDBY", "WARM"});
+  are_one_mode({"CAS", "RCAS", "ROUT", "BCAS", "REMOTE", "PRD", "ON"});
+  are_one_mode({"IMAN", "INIT", "TRK", "LO", "OOS", "HOLD"});
+}
+
 TEST(ModesTest, WordsHaveTheNumbersThatStandForThem) {
   const absl::StatusOr<double> by_hand = ModeCode("Man");
   const absl::StatusOr<double> cascade = ModeCode("CAS");

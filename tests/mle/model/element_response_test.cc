@@ -35,11 +35,7 @@ VectorXd RandomInputs(unsigned seed) {
   return inputs;
 }
 
-SampledDelay Split(double delay) {
-  const double samples = delay / kSampleTime;
-  const int whole = static_cast<int>(samples);
-  return {whole, samples - whole};
-}
+SampledDelay Split(double delay) { return SampledDelayOf(delay, kSampleTime); }
 
 MatrixXd SimulateElement(const ElementResponse& element, double time_scale,
                          double delay, const VectorXd& inputs,

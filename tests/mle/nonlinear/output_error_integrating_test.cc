@@ -6,6 +6,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/element_response.h"
 #include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_reconstruction.h"
 #include "tests/mle/nonlinear/output_error_records.h"
@@ -49,6 +50,12 @@ TEST(OutputErrorIntegratingTest, RecoversAnExactPlant) {
     EXPECT_NEAR(e.time_scale.value, truth[j][1], 1e-5);
     EXPECT_NEAR(e.delay.value, truth[j][2], 1e-5);
   }
+  // Of an integrator without a lag T is any.
+  EXPECT_EQ(correction.full.element(0, 0).values().time_scale, 1.0);
+  const ElementValues values = correction.full.element(0, 1).values();
+  EXPECT_EQ(values.gain, correction.full.element(0, 1).gain.value);
+  EXPECT_EQ(values.time_scale, correction.full.element(0, 1).time_scale.value);
+  EXPECT_EQ(values.delay, correction.full.element(0, 1).delay.value);
   EXPECT_TRUE(correction.aged(0, 0));
   EXPECT_TRUE(correction.aged(0, 1));
   // Two elements with three parameters, one with two.

@@ -112,7 +112,7 @@ TEST(PlanTest, KeepsLimitsInTheWholeBand) {
   options.min_input = Eigen::Vector2d(27.0, 26.0);
   const Plan plan = PlanFor(problem, options);
   ASSERT_EQ(plan.state, Plan::State::kFound);
-  EXPECT_EQ(plan.plants, 50);
+  EXPECT_EQ(plan.left_out, 0);
   for (int c = 0; c < 2; ++c) {
     EXPECT_LE(plan.high_outputs.row(c).maxCoeff(),
               options.max_output(c) + 1e-9);
