@@ -73,6 +73,7 @@ void MeanOf(const FoundCurve& one, FoundCurve& other) {
   other.curvature =
       (own * other.curvature + more * one.curvature) / (own + more);
   other.standard_error = 1.0 / std::sqrt(own + more);
+  other.evidence += one.evidence;
 }
 
 using Competitions = std::vector<std::unique_ptr<OutputCompetition>>;
@@ -218,6 +219,7 @@ absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
     return absl::InvalidArgumentError("there are no records");
   const int p = model.num_outputs();
   Competition competition;
+  competition.evidence_ = options.evidence;
   competition.records_ =
       std::make_unique<const std::vector<Record>>(std::move(records));
   competition.competitions_.resize(p);
@@ -267,8 +269,9 @@ std::vector<FoundCurve> Competition::Curves() const {
     if (competitions_[i] == nullptr) continue;
     for (const TakenExplanation& one : results_[i].taken) {
       if (!IsCurve(one.explanation.kind)) continue;
-      const FoundCurve found = competitions_[i]->output().CurveOf(
+      FoundCurve found = competitions_[i]->output().CurveOf(
           one.explanation, one.standard_error, one.alternatives);
+      found.evidence = one.evidence;
       const auto same =
           std::find_if(curves.begin(), curves.end(), [&](const auto& other) {
             return !found.is_output && !other.is_output &&
@@ -282,7 +285,8 @@ std::vector<FoundCurve> Competition::Curves() const {
     }
   }
   std::erase_if(curves, [&](const FoundCurve& curve) {
-    return !curve.is_output && IsContradicted(curve);
+    return !(curve.evidence > evidence_) ||
+           (!curve.is_output && IsContradicted(curve));
   });
   return curves;
 }

@@ -173,8 +173,8 @@ class Competition {
   // Covariance (3 × 3) of K, T and L, clocks included.
   Eigen::Matrix3d Covariance(int output, int input) const;
   // The curves that won, one of each channel: of an input the mean of its
-  // outputs', by their precision; none of an input if another output's E grows
-  // by more than 3 M with it.
+  // outputs', by their precision, with the evidence of all of them; none of an
+  // input if another output's E grows by more than 3 M with it.
   std::vector<FoundCurve> Curves() const;
   // E of another model's row, and of its difference from the model as it was:
   // what the other would show of itself. The energy of the output, and 0, where
@@ -189,6 +189,7 @@ class Competition {
  private:
   Competition() = default;
   bool IsContradicted(const FoundCurve& curve) const;
+  double evidence_ = 0.0;  // asked for
   // Of all competitions, wherever this one is moved to.
   std::unique_ptr<const std::vector<Record>> records_;
   std::vector<std::unique_ptr<OutputCompetition>> competitions_;

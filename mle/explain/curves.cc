@@ -102,6 +102,27 @@ double Straighten(CurveShape shape, double c, double y) {
   return Bend(InverseShape(shape), IsOdd(shape) ? -c : c, y);
 }
 
+double SlopeOf(CurveShape shape, double c, double x) {
+  const double cx = c * x;
+  switch (shape) {
+    case CurveShape::kExponential:
+      return std::exp(cx);
+    case CurveShape::kLogarithm:
+      return 1.0 / (1.0 + cx);
+    case CurveShape::kQuadratic:
+      return 1.0 + cx;
+    case CurveShape::kRoot:
+      return 1.0 / std::sqrt(1.0 + 2.0 * cx);
+    case CurveShape::kSinh:
+      return c > 0.0 ? std::cosh(cx) : 1.0 / std::sqrt(1.0 + cx * cx);
+    case CurveShape::kTanh: {
+      const double tanh = std::tanh(cx);
+      return c > 0.0 ? 1.0 / (1.0 - cx * cx) : 1.0 - tanh * tanh;
+    }
+  }
+  return kNaN;
+}
+
 Transform FoundCurve::AsTransform() const {
   // An output's transform straightens what its curve bends.
   const CurveShape own = is_output ? InverseShape(shape) : shape;
@@ -139,11 +160,8 @@ Transform FoundCurve::AsTransform() const {
 FoundCurve::Gain FoundCurve::GainAt(double value) const {
   constexpr double kNormal = 1.959963984540054;  // of 95 %
   const auto gain_of = [&](CurveShape its_shape, double c) {
-    FoundCurve other = *this;
-    other.shape = its_shape;
-    other.curvature = c;
-    const double slope = other.AsTransform().Slope(value);
-    return is_output ? 1.0 / slope : slope;
+    const double x = value - at;
+    return SlopeOf(its_shape, c, is_output ? Straighten(its_shape, c, x) : x);
   };
   Gain gain;
   gain.value = gain_of(shape, curvature);
@@ -159,6 +177,13 @@ FoundCurve::Gain FoundCurve::GainAt(double value) const {
       gain.lower = std::min(gain.lower, other);
       gain.upper = std::max(gain.upper, other);
     }
+  }
+  const double linear = AsTransform().Linear(value);
+  for (const FoundCurve& other : upon) {
+    const Gain more = other.GainAt(linear);
+    gain.value *= more.value;
+    gain.lower *= more.lower;
+    gain.upper *= more.upper;
   }
   return gain;
 }

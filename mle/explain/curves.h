@@ -42,6 +42,9 @@ double Bend(CurveShape shape, double c, double x);
 // x of h; NaN where there is none.
 double Straighten(CurveShape shape, double c, double y);
 
+// dh/dx.
+double SlopeOf(CurveShape shape, double c, double x);
+
 // A curve that was found: of an output y = a + h(z − a), of an input v =
 // a + h(u − a), z and v what the model's elements are linear between.
 struct FoundCurve {
@@ -50,8 +53,9 @@ struct FoundCurve {
   CurveShape shape = CurveShape::kExponential;
   double curvature = 0.0;       // c
   double standard_error = 0.0;  // of c
-  double at = 0.0;              // a: where the records began
-  double low = 0.0;             // what they visited
+  double evidence = 0.0;
+  double at = 0.0;   // a: where the records began
+  double low = 0.0;  // what they visited
   double high = 0.0;
   // Shapes that explain as much.
   struct Alternative {
@@ -59,8 +63,10 @@ struct FoundCurve {
     double curvature = 0.0;
   };
   std::vector<Alternative> alternatives = {};
+  // Curves that were found upon it, in what it makes of the channel.
+  std::vector<FoundCurve> upon = {};
 
-  // The transform of the channel.
+  // The transform of the channel, without those upon it.
   Transform AsTransform() const;
   // The gain at a value (of an input that of its effects, of an output all of
   // its gains) relative to that at a, with its 95 % interval, in which those of

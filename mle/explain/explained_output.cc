@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "absl/status/status.h"
-#include "mle/explain/signal_effects.h"
 
 namespace mle {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -19,10 +20,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-// The share of a sample by which means of what lies between samples shift it,
-// with what they seem to.
-constexpr double kMostOfSample = 0.75;
+using Eigen::VectorXd;
 
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
@@ -57,15 +55,9 @@ void OutputCompetition::HoldOut() {
   if (taken_.empty()) return;
   held_out_ =
       HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
-        const ProjectedResidual kept(output_, [&](const VectorXd& e) {
-          return instruments_.Project(e, weights);
-        });
-        return FitExplanations(
-                   output_,
-                   [&](const std::vector<Explanation>& at) {
-                     return kept.At(at);
-                   },
-                   Explanations())
+        const ProjectedResidual kept(output_,
+                                     instruments_.ProjectionOf(weights));
+        return FitExplanations(output_, std::cref(kept), Explanations())
             .explanations;
       });
 }

@@ -106,7 +106,7 @@ absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
                        {}});
   }
   result.reasons.insert(result.reasons.begin(), reasons.begin(), reasons.end());
-  result.curves.insert(result.curves.begin(), curves.begin(), curves.end());
+  result.curves = Upon(curves, std::move(result.curves));
   // What is explained is told whole: the curves, and what was left beside them.
   for (std::size_t i = 0; i < result.explanations.size(); ++i) {
     std::vector<TakenExplanation> all =

@@ -18,11 +18,14 @@ constexpr int kPoints = 65;
 constexpr double kLow = 0.1;
 constexpr double kHigh = 0.9;
 
-bool Shows(const OutputExplanation& output, const FoundCurve& curve) {
+// Whether the output has evidence of its own for the curve.
+bool Shows(const OutputExplanation& output, const FoundCurve& curve,
+           double evidence) {
   return std::any_of(output.taken.begin(), output.taken.end(),
                      [&](const TakenExplanation& one) {
                        const Explanation& e = one.explanation;
-                       return IsCurve(e.kind) && e.index == curve.channel &&
+                       return one.evidence > evidence && IsCurve(e.kind) &&
+                              e.index == curve.channel &&
                               (e.kind != ExplanationKind::kCurvedInput) ==
                                   curve.is_output;
                      });
@@ -104,7 +107,7 @@ std::vector<FoundCurve> CurvesToHold(const Candidates& candidates) {
     bool holds = true;
     for (int i = 0; i < candidates.initial.num_outputs(); ++i) {
       const OutputExplanation& output = competition.outputs()[i];
-      if (!Shows(output, curve)) continue;
+      if (!Shows(output, curve, candidates.options.explain.evidence)) continue;
       holds = holds && !IsContested(output) && !Misleads(competition, i) &&
               PredictsBetter(output);
     }
@@ -126,6 +129,22 @@ absl::StatusOr<BentPlant> WithCurves(const ProcessModel& model,
     MLE_RETURN_IF_ERROR(Change(model, bent.model, window.record));
   }
   return bent;
+}
+
+std::vector<FoundCurve> Upon(std::vector<FoundCurve> curves,
+                             std::vector<FoundCurve> later) {
+  for (FoundCurve& one : later) {
+    const auto same =
+        std::find_if(curves.begin(), curves.end(), [&](const FoundCurve& c) {
+          return c.is_output == one.is_output && c.channel == one.channel;
+        });
+    if (same == curves.end()) {
+      curves.push_back(std::move(one));
+    } else {
+      same->upon.push_back(std::move(one));
+    }
+  }
+  return curves;
 }
 
 std::string DescribeCurve(const ProcessModel& model, const FoundCurve& curve) {

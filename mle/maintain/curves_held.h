@@ -33,6 +33,10 @@ absl::StatusOr<BentPlant> WithCurves(const ProcessModel& model,
                                      const RecordData& data,
                                      const std::vector<FoundCurve>& curves);
 
+// Curves of later rounds upon those of the same channels, and beside others.
+std::vector<FoundCurve> Upon(std::vector<FoundCurve> curves,
+                             std::vector<FoundCurve> later);
+
 }  // namespace mle
 
 #endif  // MLE_MAINTAIN_CURVES_HELD_H_
