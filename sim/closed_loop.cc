@@ -295,8 +295,8 @@ absl::StatusOr<Record> SimulateClosedLoop(const ProcessModel& plant_model,
   MLE_RETURN_IF_ERROR(options.Validate());
   if (HasTransforms(plant_model)) {
     return absl::InvalidArgumentError(
-        "a channel of the plant has a transform, which this simulation does "
-        "not have (TransformedPlant has)");
+        "a channel of the plant has a transform, which only mle_simulate "
+        "simulates");
   }
   MLE_ASSIGN_OR_RETURN(
       Plant plant,

@@ -25,6 +25,9 @@ def decisions(rows):
 def is_harmful(row):
     if row["decision"] != "corrected":
         return False
+    # A curve of what is straight makes responses wrong elsewhere than E tells.
+    if row.get("curves_false"):
+        return True
     if row["kind"] == "none" and row["E_before"] == 0.0:
         return row["largest_change"] > HARM
     return row["E_after"] > row["E_before"]
@@ -197,6 +200,24 @@ def adversary_goals(rows):
                  sum(answers), len(answers), "≥ 85 %")]
 
 
+def curve_table(rows):
+    """How near curves that were put into models are to the truth."""
+    judged = [row for row in rows if row.get("curve_points")]
+    false = sum(row.get("curves_false") or 0 for row in rows)
+    if not judged and not false:
+        return []
+    lines = ["| curves put into models | | asked for |", "|---|--:|--:|"]
+    if judged:
+        near = share(sum(row["curve_error"] <= 0.05 for row in judged), len(judged))
+        inside = share(sum(row["curve_inside"] for row in judged),
+                       sum(row["curve_points"] for row in judged))
+        lines += [f"| records with true curves that are told | {len(judged)} | – |",
+                  f"| … all within 5 % of the truth over what was visited | {near} | ≥ 80 % |",
+                  f"| gains within their 95 % bands | {inside} | 92–98 % |"]
+    lines.append(f"| curves of channels that are straight, of {len(rows)} records | {false} | – |")
+    return lines
+
+
 def told(rows):
     """What was told of scenarios, most often first."""
     codes = [one["explanation"] for row in rows for one in row.get("told") or []]
@@ -239,10 +260,12 @@ def markdown(arguments, rows):
              f"{statistics.median(seconds):.2g} s (median), {max(seconds):.2g} s at most.\n"]
     if arguments.group == "adversary":
         parts += ["\n".join(adversary_goals(rows)) + "\n",
+                  "\n".join(curve_table(rows)) + "\n",
                   "\n".join(adversary_table(rows)) + "\n"]
         return "\n".join(parts)
     if any(row["kind"] in ("none", "aged") for row in rows):
         parts.append("\n".join(goals(rows)) + "\n")
+        parts.append("\n".join(curve_table(rows)) + "\n")
     for kind, title in TITLES.items():
         of_kind = [row for row in rows if row["kind"] == kind]
         if not of_kind:

@@ -76,6 +76,19 @@ void MeanOf(const FoundCurve& one, FoundCurve& other) {
   other.evidence += one.evidence;
 }
 
+// Of an output that is bent twice, by `last` behind `first`: what is measured
+// is straightened by `last` first.
+FoundCurve Behind(FoundCurve first, FoundCurve last) {
+  const Transform straight = last.AsTransform();
+  first.low = straight.Linear(first.low);
+  first.high = straight.Linear(first.high);
+  last.evidence += first.evidence;
+  last.upon = std::move(first.upon);
+  first.upon.clear();
+  last.upon.insert(last.upon.begin(), std::move(first));
+  return last;
+}
+
 using Competitions = std::vector<std::unique_ptr<OutputCompetition>>;
 
 // The outputs that input j reaches, where explanations won one by one.
@@ -272,13 +285,15 @@ std::vector<FoundCurve> Competition::Curves() const {
       FoundCurve found = competitions_[i]->output().CurveOf(
           one.explanation, one.standard_error, one.alternatives);
       found.evidence = one.evidence;
-      const auto same =
-          std::find_if(curves.begin(), curves.end(), [&](const auto& other) {
-            return !found.is_output && !other.is_output &&
+      const auto same = std::find_if(
+          curves.begin(), curves.end(), [&](const FoundCurve& other) {
+            return other.is_output == found.is_output &&
                    other.channel == found.channel;
           });
       if (same == curves.end()) {
-        curves.push_back(found);
+        curves.push_back(std::move(found));
+      } else if (found.is_output) {
+        *same = Behind(std::move(*same), std::move(found));
       } else {
         MeanOf(found, *same);
       }

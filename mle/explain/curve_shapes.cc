@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 
 #include "mle/explain/curves.h"
 
@@ -14,25 +13,26 @@ constexpr double kAsMuch = 3.0;
 
 void ChooseShape(const std::vector<OutputCompetition*>& outputs,
                  const Explanation& curve) {
-  const int shapes = NumShapes(curve.kind);
-  std::vector<double> left(shapes, 0.0);
-  std::vector<std::vector<ExplanationFit>> fits(shapes);
-  for (int part = 0; part < shapes; ++part) {
+  const std::vector<int> shapes = ShapesOf(curve.kind);
+  std::vector<double> left(shapes.size(), 0.0);
+  std::vector<std::vector<ExplanationFit>> fits(shapes.size());
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
     for (const OutputCompetition* output : outputs) {
-      fits[part].push_back(output->WithShapeOf(curve, part));
-      const double energy = fits[part].back().energy;
-      left[part] += energy < std::numeric_limits<double>::infinity()
-                        ? energy / output->unit()
-                        : std::numeric_limits<double>::infinity();
+      const std::vector<Explanation> all = output->Explanations();
+      const auto own = std::find_if(
+          all.begin(), all.end(),
+          [&](const Explanation& one) { return one.SameAs(curve); });
+      fits[s].push_back(output->WithShapeOf(all, *own, shapes[s]));
+      left[s] += fits[s].back().energy / output->unit();
     }
   }
-  const auto best = static_cast<int>(
+  const auto best = static_cast<std::size_t>(
       std::min_element(left.begin(), left.end()) - left.begin());
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     std::vector<Explanation> alternatives;
-    for (int part = 0; part < shapes; ++part) {
-      if (part == best || !(left[part] <= left[best] + kAsMuch)) continue;
-      for (const Explanation& one : fits[part][i].explanations) {
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+      if (s == best || !(left[s] <= left[best] + kAsMuch)) continue;
+      for (const Explanation& one : fits[s][i].explanations) {
         if (one.SameAs(curve)) alternatives.push_back(one);
       }
     }

@@ -60,22 +60,34 @@ Transform Points(CurveShape shape, double c, const FoundCurve& curve) {
 }  // namespace
 
 CurveShape ShapeOf(const Explanation& explanation) {
-  if (explanation.kind == ExplanationKind::kSShapedOutput) {
-    return explanation.part == 0 ? CurveShape::kSinh : CurveShape::kTanh;
-  }
   return static_cast<CurveShape>(explanation.part);
 }
 
-int NumShapes(ExplanationKind kind) {
-  return kind == ExplanationKind::kSShapedOutput ? 2 : 4;
+std::vector<int> ShapesOf(ExplanationKind kind) {
+  const bool is_output = kind == ExplanationKind::kCurvedOutput;
+  std::vector<int> shapes;
+  for (const CurveShape shape :
+       {CurveShape::kExponential, CurveShape::kSinh, CurveShape::kLogarithm,
+        CurveShape::kQuadratic, CurveShape::kRoot, CurveShape::kTanh}) {
+    if (is_output || !IsOdd(shape)) shapes.push_back(static_cast<int>(shape));
+  }
+  return shapes;
 }
 
-Explanation WithShape(Explanation curve, int part) {
-  const double before = BendOf(ShapeOf(curve));
+std::vector<Explanation> InShape(Explanation curve, int part) {
+  constexpr double kBent = 1.0;  // θ of a curve of another family
+  const CurveShape before = ShapeOf(curve);
   curve.part = part;
-  const double ratio = before / BendOf(ShapeOf(curve));
-  curve.value *= IsOdd(ShapeOf(curve)) ? std::sqrt(ratio) : ratio;
-  return curve;
+  const CurveShape after = ShapeOf(curve);
+  if (IsOdd(before) != IsOdd(after)) {
+    Explanation other = curve;
+    curve.value = kBent;
+    other.value = -kBent;
+    return {curve, other};
+  }
+  const double ratio = BendOf(before) / BendOf(after);
+  curve.value *= IsOdd(after) ? std::sqrt(ratio) : ratio;
+  return {curve};
 }
 
 double Bend(CurveShape shape, double c, double x) {

@@ -22,20 +22,22 @@
 namespace mle {
 
 enum class CurveShape {
-  kExponential,
+  kExponential,  // of each family the one that competes
+  kSinh,
   kLogarithm,
   kQuadratic,
   kRoot,
-  kSinh,
   kTanh,
 };
+inline constexpr int kCurveFamilies = 2;  // one-sided, S-shaped
 
 // Of a curved output or input (Explanation::part).
 CurveShape ShapeOf(const Explanation& explanation);
-// The number of shapes of a curve.
-int NumShapes(ExplanationKind kind);
-// The curve with another shape, alike to second (third) order.
-Explanation WithShape(Explanation curve, int part);
+// The shapes of a curve: an input has no S.
+std::vector<int> ShapesOf(ExplanationKind kind);
+// The curve in another shape, from where it is to be estimated: alike to second
+// (third) order, or, of the other family, bent either way.
+std::vector<Explanation> InShape(Explanation curve, int part);
 
 // h(x); NaN where there is none, and where a quadratic no longer rises.
 double Bend(CurveShape shape, double c, double x);

@@ -196,6 +196,8 @@ int ExplainedOutput::PartsOf(ExplanationKind kind) const {
       return kParts;
     case Kind::kNewPath:
       return kPathLags;
+    case Kind::kCurvedOutput:
+      return kCurveFamilies;
 
     case Kind::kLoadWithSetPoints: {
       const int moving = num_moving_set_points();

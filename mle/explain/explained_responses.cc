@@ -205,8 +205,7 @@ VectorXd ExplainedOutput::ResponseOf(const ResponsePart& part) const {
 
 bool ExplainedOutput::IsCurved(
     const std::vector<Explanation>& explanations) const {
-  return ValueOf(explanations, Kind::kCurvedOutput, output_) != 0.0 ||
-         ValueOf(explanations, Kind::kSShapedOutput, output_) != 0.0;
+  return ValueOf(explanations, Kind::kCurvedOutput, output_) != 0.0;
 }
 
 VectorXd ExplainedOutput::Residual(
@@ -216,9 +215,7 @@ VectorXd ExplainedOutput::Residual(
     z += part.gain * cache_.Get(part, [&] { return ResponseOf(part); });
   }
   for (const Explanation& one : explanations) {
-    if (one.kind != Kind::kCurvedOutput && one.kind != Kind::kSShapedOutput) {
-      continue;
-    }
+    if (one.kind != Kind::kCurvedOutput) continue;
     const CurveShape shape = mle::ShapeOf(one);
     const double c = CurvatureOf(one);
     for (std::size_t i = 0; i < rows_.size(); ++i) {

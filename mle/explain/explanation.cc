@@ -117,19 +117,10 @@ const std::vector<ExplanationType>& ExplanationTable() {
        "curved_output",
        Place::kOutput,
        kRarer,
-       {-1.2, -0.8, -0.4, 0.4, 0.8, 1.2},
-       -4.0,
-       4.0,
-       "%s is not linear: its gains follow its own level",
-       "Set-point changes around one level would settle it."},
-      {Kind::kSShapedOutput,
-       "curved_output",
-       Place::kOutput,
-       kRarer,
-       {-3.0, -1.5, 1.5, 3.0},
+       {-1.5, -0.8, -0.4, 0.4, 0.8, 1.5},
        -8.0,
        4.0,
-       "%s is not linear: its gains are others far from where it began",
+       "%s is not linear: its gains follow its own level",
        "Set-point changes around one level would settle it."},
       {Kind::kAveragedOutput,
        "averaged",
@@ -218,8 +209,7 @@ bool IsShape(ExplanationKind kind) {
 }
 
 bool IsCurve(ExplanationKind kind) {
-  return kind == Kind::kCurvedOutput || kind == Kind::kSShapedOutput ||
-         kind == Kind::kCurvedInput;
+  return kind == Kind::kCurvedOutput || kind == Kind::kCurvedInput;
 }
 
 bool IsHeld(ExplanationKind kind) { return IsAgeing(kind) || IsShape(kind); }

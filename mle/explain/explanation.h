@@ -31,8 +31,7 @@ enum class ExplanationKind {
   // range.
   kOutputClock,     // every L + θ τ/2, τ the median of T + L in the row
   kCurvedOutput,    // h(z), c = θ/w (curves.h), its shape as of
-                    // Explanation::part (curves.h)
-  kSShapedOutput,   // the same, S-shaped
+                    // Explanation::part
   kAveragedOutput,  // the mean of z over θ τ before each sample
   // Effects at an input; v is the input from where it began, w its range.
   kCurvedInput,  // h(v), c = θ/max |v| (curves.h)

@@ -266,8 +266,9 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
       evidence = EvidenceOf(energy - next->fit.energy, next->unit);
       if (!(evidence > kPair * options_.evidence)) break;
     }
-    taken = next->fit.explanations;
-    energy = next->fit.energy;
+    const Fit fit = InBestShape(next->fit);
+    taken = fit.explanations;
+    energy = fit.energy;
     evidences.resize(taken.size(), evidence);
   }
   taken_.clear();
@@ -326,13 +327,15 @@ void OutputCompetition::FindTies() {
   const std::vector<Explanation> all = Explanations();
   const double score = Score(all, energy_, CostOf(chance_));
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool changed = all[i].kind == ExplanationKind::kChangeDuringRecord;
+    const bool curved = IsCurve(all[i].kind);
+    const bool changed =
+        curved || all[i].kind == ExplanationKind::kChangeDuringRecord;
     if (!IsAgeing(all[i].kind) && !changed) continue;
     MatrixXd directions;
     for (const Fit& fit :
          Candidates(Without(all, i), CostOf(chance_), directions)) {
       const Explanation& rival = fit.explanations.back();
-      if (rival.SameAs(all[i])) continue;
+      if (rival.SameAs(all[i]) || (curved && IsCurve(rival.kind))) continue;
       const bool elements = changed || IsAgeing(rival.kind);
       // Explanations of one element, or its input, do much the same; but a
       // curve is no change.

@@ -47,9 +47,10 @@ class OutputCompetition {
   // All elements were fitted at once.
   bool together() const { return together_; }
 
-  // The explanations with another shape of a curve that was taken, all
-  // estimated again.
-  ExplanationFit WithShapeOf(const Explanation& curve, int part) const;
+  // These explanations with another shape of one of them, a curve, all
+  // estimated again; an infinite energy where there is none.
+  ExplanationFit WithShapeOf(const std::vector<Explanation>& explanations,
+                             const Explanation& curve, int part) const;
   // They in place of what was taken.
   void TakeShape(const ExplanationFit& fit, const Explanation& curve,
                  std::vector<Explanation> alternatives);
@@ -100,6 +101,8 @@ class OutputCompetition {
     double unit = 0.0;
   };
   std::optional<Next> BestNext(const std::vector<Explanation>& taken);
+  // The last explanation, if it is a curve, in the shape that leaves the least.
+  Fit InBestShape(Fit fit) const;
   void Forward(const std::vector<Explanation>& given);
   void Backward(std::size_t given);
   // Another explanation in place of one that was taken, where it does better;

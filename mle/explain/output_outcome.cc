@@ -62,13 +62,32 @@ void OutputCompetition::HoldOut() {
       });
 }
 
-ExplanationFit OutputCompetition::WithShapeOf(const Explanation& curve,
-                                              int part) const {
-  std::vector<Explanation> explanations = Explanations();
-  for (Explanation& one : explanations) {
-    if (one.SameAs(curve)) one = WithShape(one, part);
+OutputCompetition::Fit OutputCompetition::WithShapeOf(
+    const std::vector<Explanation>& explanations, const Explanation& curve,
+    int part) const {
+  Fit best;
+  best.energy = std::numeric_limits<double>::infinity();
+  for (const Explanation& start : InShape(curve, part)) {
+    std::vector<Explanation> others = explanations;
+    for (Explanation& one : others) {
+      if (one.SameAs(curve)) one = start;
+    }
+    Fit fit = Estimate(std::move(others));
+    if (fit.energy < best.energy) best = std::move(fit);
   }
-  return Estimate(std::move(explanations));
+  return best;
+}
+
+OutputCompetition::Fit OutputCompetition::InBestShape(Fit fit) const {
+  const Explanation curve = fit.explanations.back();
+  if (!IsCurve(curve.kind)) return fit;
+  const std::vector<Explanation> explanations = fit.explanations;
+  for (const int part : ShapesOf(curve.kind)) {
+    if (part == curve.part) continue;
+    Fit other = WithShapeOf(explanations, curve, part);
+    if (other.energy < fit.energy) fit = std::move(other);
+  }
+  return fit;
 }
 
 void OutputCompetition::TakeShape(const ExplanationFit& fit,

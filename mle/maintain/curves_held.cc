@@ -61,7 +61,8 @@ void Scale(double factor, TransferFunction& element) {
                              element.delay());
 }
 
-void AddCurve(const FoundCurve& curve, ProcessModel& model) {
+// The curve alone.
+void AddOne(const FoundCurve& curve, ProcessModel& model) {
   const Transform own = curve.AsTransform();
   const Transform given = curve.is_output
                               ? model.outputs()[curve.channel].transform
@@ -86,6 +87,11 @@ void AddCurve(const FoundCurve& curve, ProcessModel& model) {
     if (!element.IsZero() && slope != 1.0) Scale(slope, element);
   }
   model.set_input_transform(curve.channel, std::move(both));
+}
+
+void AddCurve(const FoundCurve& curve, ProcessModel& model) {
+  AddOne(curve, model);
+  for (const FoundCurve& other : curve.upon) AddOne(other, model);
 }
 
 absl::Status Change(const ProcessModel& from, const ProcessModel& to,

@@ -45,6 +45,11 @@ class ProcessModel:
         """(numerator, denominator, delay)"""
     def step_response(self, sample_time: float, samples: int) -> Array:
         """(samples, p, m)"""
+    @property
+    def transforms(self) -> Dict[str, Dict[str, Any]]:
+        """Of the channels that have one, as in the model file."""
+    def linear_at(self, values: Dict[str, float]) -> ProcessModel:
+        """The linear model at an operating point."""
 
 class StepResponseModel:
     """Step responses (FIR), N coefficients of each pair at dt, ..., N dt."""

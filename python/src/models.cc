@@ -2,6 +2,9 @@
 
 #include "python/src/models.h"
 
+#include <map>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -78,6 +81,43 @@ std::string ModelRepresentation(const ProcessModel& model) {
                       "': ", model.num_outputs(), " outputs, ",
                       model.num_inputs(), " inputs, time in ",
                       model.time_unit(), ">");
+}
+
+py::dict TransformsOf(const ProcessModel& model) {
+  const py::object json =
+      py::module_::import("json").attr("loads")(FormatProcessModel(model));
+  py::dict transforms;
+  for (const char* const kind : {"inputs", "outputs"}) {
+    for (const py::handle channel : json[kind]) {
+      if (channel.contains("transform")) {
+        transforms[channel["name"]] = channel["transform"];
+      }
+    }
+  }
+  return transforms;
+}
+
+ProcessModel LinearModelAt(const ProcessModel& model,
+                           const std::map<std::string, double>& values) {
+  std::set<std::string> left;
+  for (const auto& [name, value] : values) left.insert(name);
+  const auto point = [&](const auto& channels) {
+    Eigen::VectorXd at(static_cast<Eigen::Index>(channels.size()));
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const auto given = values.find(channels[i].name);
+      at[static_cast<Eigen::Index>(i)] =
+          given == values.end() ? channels[i].transform.at : given->second;
+      left.erase(channels[i].name);
+    }
+    return at;
+  };
+  const Eigen::VectorXd inputs = point(model.inputs());
+  const Eigen::VectorXd outputs = point(model.outputs());
+  if (!left.empty()) {
+    throw py::value_error(
+        absl::StrCat("the model has no channel '", *left.begin(), "'"));
+  }
+  return ValueOrThrow(LinearAt(model, inputs, outputs));
 }
 
 }  // namespace
@@ -176,6 +216,15 @@ void AddModels(py::module_& module) {
            py::arg("samples"),
            "Responses to unit steps at 0: (samples, p, m), at 0, dt, ..., "
            "exact to rounding.")
+      .def_property_readonly(
+          "transforms", &TransformsOf,
+          "Of the channels that have one: the transform between its value and "
+          "the variable in which the elements are linear, as the model file "
+          "has it.")
+      .def("linear_at", &LinearModelAt, py::arg("values"),
+           "The linear model at an operating point: values of channels with a "
+           "transform by name; those that are not named are where it has the "
+           "slope 1.")
       .def("__eq__",
            [](const ProcessModel& a, const py::object& b) {
              return py::isinstance<ProcessModel>(b) &&

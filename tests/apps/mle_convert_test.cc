@@ -1,5 +1,6 @@
 // mle_convert as its users call it.
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -67,6 +68,43 @@ TEST(MleConvertTest, SaysTheIntervalWithItsUnit) {
          "--out=" + (scratch / "steps.mat")});
     EXPECT_THAT(run.out, HasSubstr(said)) << run.err;
   }
+}
+
+// Gains at a point are those times the slope of the valve there; forms that
+// have transforms keep them, others are linear at its operating point.
+TEST(MleConvertTest, AModelWithTransformsIsLinearAtAPoint) {
+  const ScratchFolder scratch;
+  const std::string model = "--model=" + kConfigs + "bent_column.json";
+  const std::string out = scratch / "model.json";
+  const report::ProcessResult open =
+      RunTested({model, "--at=reflux:95", "--out=" + out});
+  EXPECT_EQ(open.exit_code, 0) << open.err;
+  EXPECT_THAT(open.out, HasSubstr("relative to reflux = 45 its gains are × "
+                                  "0.172 at 0 and × 8.6 at 100"));
+  const absl::StatusOr<ModelFile> linear = ReadModelFile(out);
+  ASSERT_TRUE(linear.ok()) << linear.status();
+  EXPECT_FALSE(HasTransforms(linear->process));
+  EXPECT_NEAR(linear->process.element(0, 0).StaticGain(),
+              0.64 * std::sqrt(50.0), 1e-9);
+  EXPECT_EQ(linear->process.element(0, 1).StaticGain(), -18.9);
+  const std::string table = scratch / "model.csv";
+  EXPECT_EQ(
+      RunTested({model, "--form=element_table", "--out=" + table}).exit_code,
+      0);
+  const absl::StatusOr<ModelFile> kept = ReadModelFile(table);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ(kept->process.inputs()[0].transform.rangeability, 50.0);
+  const report::ProcessResult mat =
+      RunTested({model, "--out=" + (scratch / "model.mat")});
+  EXPECT_EQ(mat.exit_code, 0) << mat.err;
+  EXPECT_THAT(mat.out, HasSubstr("a linear model at one point"));
+  EXPECT_THAT(
+      RunTested({model, "--at=reflex:95", "--out=" + out}).err,
+      HasSubstr("there is no channel 'reflex'; did you mean 'reflux'?"));
+  EXPECT_THAT(RunTested({"--model=" + kConfigs + "wood_berry.json",
+                         "--at=reflux:1", "--out=" + out})
+                  .err,
+              HasSubstr("the model has no transforms"));
 }
 
 TEST(MleConvertTest, RefusesWhatItCannotWrite) {

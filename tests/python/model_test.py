@@ -179,3 +179,21 @@ def test_objects_made_without_init_are_refused(kind):
     for name in properties:
         with pytest.raises(TypeError, match="without __init__"):
             getattr(unmade, name)
+
+
+def test_transforms_and_the_linear_model_at_a_point():
+    text = """{"name": "heater", "time_unit": "min",
+      "inputs": [{"name": "valve", "unit": "%", "transform": {
+        "kind": "equal_percentage", "rangeability": 50, "closed": 0, "open": 100, "at": 40}}],
+      "outputs": [{"name": "flow", "unit": "m3/h"}],
+      "elements": [{"output": "flow", "input": "valve",
+                    "gain": 0.5, "time_constant": 5, "delay": 2}]}"""
+    model = mle.ProcessModel.from_json(text)
+    assert model.transforms == {"valve": {"kind": "equal_percentage", "rangeability": 50,
+                                          "closed": 0, "open": 100, "at": 40}}
+    open_ = model.linear_at({"valve": 100.0})
+    assert open_.transforms == {}
+    assert open_.static_gains[0, 0] == pytest.approx(0.5 * 50.0 ** 0.6)
+    assert model.linear_at({}).static_gains[0, 0] == 0.5
+    with pytest.raises(ValueError, match="no channel 'flap'"):
+        model.linear_at({"flap": 1.0})

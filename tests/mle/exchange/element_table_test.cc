@@ -66,6 +66,42 @@ TEST(ElementTable, ComesBackAsItWas) {
 }
 
 // Names and units as spreadsheets have them, and levels.
+TEST(ElementTable, ChannelsMayHaveTransforms) {
+  const std::string lines =
+      "transform,steam,equal_percentage,rangeability,50,closed,0,open,100,at,"
+      "40\ntransform,pressure,piecewise_linear,point,0,0,point,2,5,point,9,6.5,"
+      "at,1\n";
+  const std::string text = absl::StrReplaceAll(
+      kTable, {{"output,input,gain", lines + "output,input,gain"}});
+  const ElementTable table = ParsedTable(text);
+  const Transform& steam = table.channels.inputs()[0].transform;
+  EXPECT_EQ(steam.kind, TransformKind::kEqualPercentage);
+  EXPECT_EQ(steam.rangeability, 50.0);
+  EXPECT_EQ(steam.at, 40.0);
+  const Transform& pressure = table.Process().outputs()[1].transform;
+  EXPECT_EQ(pressure.points.size(), 3U);
+  EXPECT_EQ(pressure.points[2], std::pair(9.0, 6.5));
+  EXPECT_EQ(
+      ParsedTable(FormatElementTable(table)).channels.inputs()[0].transform,
+      steam);
+  EXPECT_EQ(
+      ParsedTable(FormatElementTable(table)).channels.outputs()[1].transform,
+      pressure);
+  const auto fault = [&](const std::string& line) {
+    const std::string wrong = absl::StrReplaceAll(
+        kTable, {{"output,input,gain", line + "\noutput,input,gain"}});
+    return std::string(ParseElementTable(wrong, "tank.csv").status().message());
+  };
+  EXPECT_THAT(fault("transform,flap,log,at,1"),
+              HasSubstr("line 7: the transform is of 'flap', which no line"));
+  EXPECT_THAT(fault("transform,steam,log,at,0"),
+              HasSubstr("line 7: transform of steam: at = 0"));
+  EXPECT_THAT(fault("transform,steam,log,at"), HasSubstr("lacks a number"));
+  EXPECT_THAT(fault("transform,steam"), HasSubstr("a channel, a kind"));
+  EXPECT_THAT(fault("transform,steam,log,at,half"),
+              HasSubstr("line 7, column 5: 'half' is not a number"));
+}
+
 TEST(ElementTable, ReadsTheNamesOfSpreadsheets) {
   const ElementTable table = ParsedTable(
       "time unit,min\nCV,MV,K (cm/%),Tau [min],Theta [min],Type\n"
