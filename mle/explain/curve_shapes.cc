@@ -14,9 +14,10 @@ constexpr double kAsMuch = 3.0;
 void ChooseShape(const std::vector<OutputCompetition*>& outputs,
                  const Explanation& curve) {
   const std::vector<int> shapes = ShapesOf(curve.kind);
-  std::vector<double> left(shapes.size(), 0.0);
+  std::vector<double> left;
   std::vector<std::vector<ExplanationFit>> fits(shapes.size());
   for (std::size_t s = 0; s < shapes.size(); ++s) {
+    left.push_back(ShapeCost(shapes[s]));
     for (const OutputCompetition* output : outputs) {
       const std::vector<Explanation> all = output->Explanations();
       const auto own = std::find_if(

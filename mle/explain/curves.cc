@@ -59,6 +59,10 @@ Transform Points(CurveShape shape, double c, const FoundCurve& curve) {
 
 }  // namespace
 
+double ShapeCost(int part) {
+  return IsOdd(static_cast<CurveShape>(part)) ? 3.0 : 0.0;
+}
+
 CurveShape ShapeOf(const Explanation& explanation) {
   return static_cast<CurveShape>(explanation.part);
 }

@@ -39,6 +39,10 @@ std::vector<int> ShapesOf(ExplanationKind kind);
 // (third) order, or, of the other family, bent either way.
 std::vector<Explanation> InShape(Explanation curve, int part);
 
+// What a shape has to leave less than others, in M: an S 3, since records that
+// bend to one side tell little of it.
+double ShapeCost(int part);
+
 // h(x); NaN where there is none, and where a quadratic no longer rises.
 double Bend(CurveShape shape, double c, double x);
 // x of h; NaN where there is none.

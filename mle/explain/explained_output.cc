@@ -73,8 +73,8 @@ absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
   explained.tau_ = std::max(*middle, explained.sample_time_);
   explained.longest_ = std::max(explained.longest_, explained.sample_time_);
   explained.AddNewPaths(model);
+  explained.FindFirstValues();
   explained.ChooseRows();
-  explained.FindLevels();
   explained.FindMovingSetPoints(model.num_outputs());
   if (explained.rows_.empty()) {
     return absl::FailedPreconditionError("no sample is measured");
@@ -105,7 +105,6 @@ void ExplainedOutput::ChooseRows() {
   VectorXd low = VectorXd::Constant(m, 1e300);
   VectorXd high = VectorXd::Constant(m, -1e300);
   distances_ = VectorXd::Zero(m);
-  first_inputs_ = filled_->front().row(0);
   for (int r = 0; r < static_cast<int>(records_->size()); ++r) {
     const Record& record = (*records_)[r];
     const Eigen::MatrixXd& filled = (*filled_)[r];
@@ -149,24 +148,27 @@ void ExplainedOutput::ChooseRows() {
   ranges_ = (high - low).cwiseMax(0.0);
 }
 
-// The median of what is measured first in each record, for τ/4 or five samples.
-void ExplainedOutput::FindLevels() {
+// The medians of what is measured first, for τ/4 or five samples.
+void ExplainedOutput::FindFirstValues() {
   const auto most = std::max<std::size_t>(
       5, static_cast<std::size_t>(0.25 * tau_ / sample_time_));
-  for (const VectorXd& y : outputs_) {
+  const auto first_of = [&](const auto& signal) {
     std::vector<double> first;
-    for (Index k = 0; k < y.size() && first.size() < most; ++k) {
-      if (std::isfinite(y[k])) first.push_back(y[k]);
+    for (const double value : signal) {
+      if (first.size() == most) break;
+      if (std::isfinite(value)) first.push_back(value);
     }
-    double level = first_level_;
-    if (!first.empty()) {
-      const auto middle =
-          first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2);
-      std::nth_element(first.begin(), middle, first.end());
-      level = *middle;
-    }
-    if (levels_.empty()) first_level_ = level;
-    levels_.push_back(level - first_level_);
+    if (first.empty()) return 0.0;
+    const auto middle =
+        first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2);
+    std::nth_element(first.begin(), middle, first.end());
+    return *middle;
+  };
+  const Record& record = records_->front();
+  first_level_ = first_of(record.outputs.row(output_));
+  first_inputs_.resize(record.num_inputs());
+  for (Index j = 0; j < first_inputs_.size(); ++j) {
+    first_inputs_[j] = first_of(filled_->front().col(j));
   }
 }
 

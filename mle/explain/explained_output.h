@@ -155,7 +155,8 @@ class ExplainedOutput {
   static absl::StatusOr<TransferFunction> Shaped(const Element& element,
                                                  const Shape& shape);
   void ChooseRows();
-  void FindLevels();
+  void FindFirstValues();
+  void BendOutput(const Explanation& curve, Eigen::VectorXd& z) const;
   void FindMovingSetPoints(int set_points);
   // The set point that a load of this part follows, or the mean of all.
   Eigen::VectorXd LoadOf(int part, int record) const;
@@ -181,10 +182,9 @@ class ExplainedOutput {
   std::vector<ResidualRow> rows_;
   std::vector<Eigen::VectorXd> outputs_;  // of each record
   Eigen::VectorXd measured_;              // rows
-  // Where the output began in the first record, and of each record from there.
+  // Where output and inputs began in the first record.
   double first_level_ = 0.0;
-  std::vector<double> levels_;
-  Eigen::VectorXd first_inputs_;  // of the first record
+  Eigen::VectorXd first_inputs_;
   // Inputs without gaps, their ranges, and largest distances from the first.
   std::shared_ptr<const FilledInputs> filled_;
   Eigen::VectorXd ranges_;

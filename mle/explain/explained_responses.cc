@@ -215,16 +215,32 @@ VectorXd ExplainedOutput::Residual(
     z += part.gain * cache_.Get(part, [&] { return ResponseOf(part); });
   }
   for (const Explanation& one : explanations) {
-    if (one.kind != Kind::kCurvedOutput) continue;
-    const CurveShape shape = mle::ShapeOf(one);
-    const double c = CurvatureOf(one);
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const double level = levels_[rows_[i].record];
-      double& value = z[static_cast<Index>(i)];
-      value = Bend(shape, c, Straighten(shape, c, level) + value) - level;
-    }
+    if (one.kind == Kind::kCurvedOutput) BendOutput(one, z);
   }
   return measured_ - z;
+}
+
+// y = a + h(z + δ), δ the mean by which what is measured of a record is above z
+// once it is straightened: where a record begins one sample's noise counts
+// less.
+void ExplainedOutput::BendOutput(const Explanation& curve, VectorXd& z) const {
+  const CurveShape shape = mle::ShapeOf(curve);
+  const double c = CurvatureOf(curve);
+  std::vector<double> above(records_->size(), 0.0);
+  std::vector<int> counts(records_->size(), 0);
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    const double straight = Straighten(shape, c, measured_[k] - first_level_);
+    if (!std::isfinite(straight)) continue;
+    above[rows_[i].record] += straight - z[k];
+    ++counts[rows_[i].record];
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const int r = rows_[i].record;
+    double& value = z[static_cast<Index>(i)];
+    value = first_level_ +
+            Bend(shape, c, value + above[r] / std::max(counts[r], 1));
+  }
 }
 
 double ExplainedOutput::CurvatureOf(const Explanation& one) const {

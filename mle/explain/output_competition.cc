@@ -266,7 +266,7 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
       evidence = EvidenceOf(energy - next->fit.energy, next->unit);
       if (!(evidence > kPair * options_.evidence)) break;
     }
-    const Fit fit = InBestShape(next->fit);
+    const Fit fit = InBestShape(next->fit, next->unit);
     taken = fit.explanations;
     energy = fit.energy;
     evidences.resize(taken.size(), evidence);

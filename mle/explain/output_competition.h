@@ -101,8 +101,9 @@ class OutputCompetition {
     double unit = 0.0;
   };
   std::optional<Next> BestNext(const std::vector<Explanation>& taken);
-  // The last explanation, if it is a curve, in the shape that leaves the least.
-  Fit InBestShape(Fit fit) const;
+  // The last explanation, if it is a curve, in the shape that leaves the least;
+  // M of it.
+  Fit InBestShape(const Fit& fit, double unit) const;
   void Forward(const std::vector<Explanation>& given);
   void Backward(std::size_t given);
   // Another explanation in place of one that was taken, where it does better;
@@ -119,6 +120,8 @@ class OutputCompetition {
   double Score(const std::vector<Explanation>& explanations, double energy,
                double chance) const;
   Eigen::MatrixXd CovarianceOfTheta() const;
+  Eigen::VectorXd KeptByPlacebos(const std::vector<Explanation>& explanations,
+                                 const Eigen::MatrixXd& A) const;
 
   ExplainedOutput output_;
   Instruments instruments_;

@@ -78,16 +78,20 @@ OutputCompetition::Fit OutputCompetition::WithShapeOf(
   return best;
 }
 
-OutputCompetition::Fit OutputCompetition::InBestShape(Fit fit) const {
+OutputCompetition::Fit OutputCompetition::InBestShape(const Fit& fit,
+                                                      double unit) const {
   const Explanation curve = fit.explanations.back();
   if (!IsCurve(curve.kind)) return fit;
-  const std::vector<Explanation> explanations = fit.explanations;
+  Fit best;
+  double left = std::numeric_limits<double>::infinity();
   for (const int part : ShapesOf(curve.kind)) {
-    if (part == curve.part) continue;
-    Fit other = WithShapeOf(explanations, curve, part);
-    if (other.energy < fit.energy) fit = std::move(other);
+    Fit other = WithShapeOf(fit.explanations, curve, part);
+    const double cost = ShapeCost(part) * unit;
+    if (!(other.energy + cost < left)) continue;
+    left = other.energy + cost;
+    best = std::move(other);
   }
-  return fit;
+  return best.explanations.empty() ? fit : best;
 }
 
 void OutputCompetition::TakeShape(const ExplanationFit& fit,
@@ -117,7 +121,34 @@ MatrixXd OutputCompetition::CovarianceOfTheta() const {
   MatrixXd H = J.transpose() * J;
   H.diagonal().array() += 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
   const MatrixXd A = H.ldlt().solve(J.transpose());
-  return A * C * A.transpose();
+  const VectorXd kept = KeptByPlacebos(explanations, A);
+  return kept.cwiseInverse().asDiagonal() * A * C * A.transpose() *
+         kept.cwiseInverse().asDiagonal();
+}
+
+// An estimate takes its error's share from the placebos, too, where set points
+// moved in time are like themselves (moves in a regular turn): of θ_i the share
+// ρ_s = A_i Q_sᵀ ∂e/∂θ_i of placebo s, which leaves 1 − ρ_s² of its variance.
+// The roots of the means of what is left.
+VectorXd OutputCompetition::KeptByPlacebos(
+    const std::vector<Explanation>& explanations, const MatrixXd& A) const {
+  constexpr double kStep = 1e-3;
+  constexpr double kLeast = 0.1;
+  VectorXd kept(A.rows());
+  const VectorXd at = output_.Residual(explanations);
+  for (Index i = 0; i < A.rows(); ++i) {
+    std::vector<Explanation> moved = explanations;
+    Explanation& one = moved[static_cast<std::size_t>(i)];
+    const double step =
+        one.value + kStep <= output_.Bounds(one).second ? kStep : -kStep;
+    one.value += step;
+    const VectorXd shares =
+        instruments_.ProjectPlacebos((output_.Residual(moved) - at) / step) *
+        A.row(i).transpose();
+    const double left = 1.0 - shares.array().square().cwiseMin(1.0).mean();
+    kept[i] = std::sqrt(std::max(left, kLeast));
+  }
+  return kept;
 }
 
 Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
