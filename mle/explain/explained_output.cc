@@ -148,28 +148,22 @@ void ExplainedOutput::ChooseRows() {
   ranges_ = (high - low).cwiseMax(0.0);
 }
 
-// The medians of what is measured first, for τ/4 or five samples.
+// Of the output the median of what is measured first, for τ/4 or five samples.
 void ExplainedOutput::FindFirstValues() {
   const auto most = std::max<std::size_t>(
       5, static_cast<std::size_t>(0.25 * tau_ / sample_time_));
-  const auto first_of = [&](const auto& signal) {
-    std::vector<double> first;
-    for (const double value : signal) {
-      if (first.size() == most) break;
-      if (std::isfinite(value)) first.push_back(value);
-    }
-    if (first.empty()) return 0.0;
+  std::vector<double> first;
+  for (const double value : records_->front().outputs.row(output_)) {
+    if (first.size() == most) break;
+    if (std::isfinite(value)) first.push_back(value);
+  }
+  if (!first.empty()) {
     const auto middle =
         first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2);
     std::nth_element(first.begin(), middle, first.end());
-    return *middle;
-  };
-  const Record& record = records_->front();
-  first_level_ = first_of(record.outputs.row(output_));
-  first_inputs_.resize(record.num_inputs());
-  for (Index j = 0; j < first_inputs_.size(); ++j) {
-    first_inputs_[j] = first_of(filled_->front().col(j));
+    first_level_ = *middle;
   }
+  first_inputs_ = filled_->front().row(0);
 }
 
 void ExplainedOutput::FindMovingSetPoints(int set_points) {
