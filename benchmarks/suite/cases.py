@@ -129,6 +129,10 @@ class Case:
     def key(self):
         return "/".join(map(str, (self.track, self.name, self.plant, self.kind, self.repeat)))
 
+    def files(self):
+        """What it is made of, beside the sources."""
+        return ()
+
 
 @dataclasses.dataclass(frozen=True)
 class Simulated(Case):
@@ -325,6 +329,10 @@ class Real(Case):
 
     run: object = dataclasses.field(default=None, compare=False)
     declared: dict = dataclasses.field(default=None, compare=False)
+
+    def files(self):
+        case = self.run.case
+        return [path for path in (case.model, case.record, *case.held_out, case.truth) if path]
 
     def write(self, apps, seed, public):
         case = self.run.case

@@ -18,7 +18,7 @@ import least_squares  # of benchmarks/real
 import numpy as np
 import responses
 
-ORDER = 10
+ORDER = 30
 KEYS = ("gain", "time_constant", "delay")
 
 

@@ -9,7 +9,7 @@ h the simulated output, linearised anew in every twentieth of the record, which 
 twice (Ljung, IEEE Trans. Automatic Control 24, 1979, 36). Estimated are parameters whose
 sensitivity, apart from that to those chosen before, is above CUT standard deviations of the noise
 (Yao, Shaw, Kou, McAuley and Bacon, Polymer Reaction Eng. 11, 2003, 563). The variance of v is that
-of differences, that of w a thousandth of it. An element has aged if its parameters are outside
+of differences, that of w a hundredth of it. An element has aged if its parameters are outside
 their ellipsoid of LEVEL; intervals are those of the filter.
 """
 
@@ -22,8 +22,8 @@ import responses
 
 PRIOR = 0.3  # standard deviation of a parameter
 CUT = 5.0
-LEVEL = 0.001
-WALK = 1e-3
+LEVEL = 1e-4
+WALK = 1e-2
 BLOCKS = 20
 ROUNDS = 2
 KEYS = ("gain", "time_constant", "delay")

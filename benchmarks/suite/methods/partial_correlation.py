@@ -1,14 +1,15 @@
 """partial_correlation.py FOLDER: detection by partial correlation of inputs and model residuals.
 
 Badwe, Gudi, Patwardhan, Shah and Meka, J. Process Control 19 (2009) 1305. With e the residuals of
-the model and û the part of the inputs that set points explain (all of them without set points):
+the model and û the part of the inputs that set points explain (all of them without set points),
+both as means over a twentieth of the settling time:
 
 1. ε_i: û_i less its regression on lags, both ways, of the other û;
 2. η_i: e_j less its regression on the same lags;
 3. ε_i is whitened by an autoregression, η_i filtered alike;
-4. the model of input i and output j is wrong if a correlation of ε_i(t) and η_i(t + k), k from 0 to
-   the settling time in 20 steps, is further from 0 than LEVEL allows under independence, for all
-   pairs and lags together.
+4. the model of input i and output j is wrong if a correlation of ε_i(t) and η_i(t + k), k up to the
+   settling time, is further from 0 than LEVEL allows under independence, for all pairs and lags
+   together.
 """
 
 import math
@@ -45,18 +46,27 @@ def explained(given, stretch):
     return {name: space @ (space.T @ values) for name, values in inputs.items()}
 
 
-def partial(given, output, name, parts, errors):
-    """(ε, η) of all stretches, whitened."""
+def means(given, values):
+    """Over twentieths of the settling time, where anything is known."""
     hold = max(1, given.settling() // LAGS)
-    steps = [hold * k for k in range(-LAGS // 2, LAGS // 2 + 1)]
+    blocks = values[:len(values) // hold * hold].reshape(-1, hold)
+    known = np.isfinite(blocks)
+    counts = known.sum(axis=1)
+    sums = np.where(known, blocks, 0.0).sum(axis=1)
+    return np.where(counts > 0, sums / np.maximum(counts, 1), math.nan)
+
+
+def partial(given, name, parts, errors):
+    """(ε, η) of all stretches, whitened."""
+    steps = range(-LAGS // 2, LAGS // 2 + 1)
     pairs = []
     for inputs, error in zip(parts, errors):
         known = np.isfinite(error)
-        if known.sum() < 4 * LAGS:
+        if known.sum() < 2 * LAGS:
             continue
         others = [lagged(inputs[other], steps) for other in given.inputs if other != name]
         own, eta = inputs[name], np.where(known, error, 0.0)
-        if others:
+        if others and np.hstack(others).shape[1] < known.sum():
             matrix = np.hstack(others)
             own = own - matrix @ np.linalg.lstsq(matrix, own, rcond=1e-8)[0]
             eta = eta - np.where(known, matrix @ np.linalg.lstsq(matrix[known], error[known],
@@ -68,29 +78,29 @@ def partial(given, output, name, parts, errors):
     return [(common.filtered(one, own), common.filtered(other, own)) for one, other in pairs]
 
 
-def largest_correlation(given, pairs):
+def largest_correlation(pairs):
     """Over lags, times the root of the samples."""
-    hold = max(1, given.settling() // LAGS)
     power = math.sqrt(sum(one @ one for one, _ in pairs) * sum(two @ two for _, two in pairs))
     if not power > 0.0:
         return 0.0
     count = sum(len(one) for one, _ in pairs)
     values = [abs(sum(one[:len(one) - k] @ two[k:] for one, two in pairs)) / power
-              for k in range(0, hold * (LAGS + 1), hold)]
+              for k in range(LAGS + 1)]
     return max(values) * math.sqrt(count)
 
 
 def main(folder):
     given = common.Given(folder)
-    parts = [explained(given, stretch) for stretch in given.stretches]
+    parts = [{name: means(given, values) for name, values in explained(given, stretch).items()}
+             for stretch in given.stretches]
     tests = len(given.inputs) * len(given.outputs) * (LAGS + 1)
     bound = common.normal_quantile(0.5 * LEVEL / tests)
     aged = []
     for output in given.outputs:
-        errors = given.errors(given.elements(output), output)
+        errors = [means(given, error) for error in given.errors(given.elements(output), output)]
         for name in given.inputs:
-            pairs = partial(given, output, name, parts, errors)
-            if pairs and largest_correlation(given, pairs) > bound:
+            pairs = partial(given, name, parts, errors)
+            if pairs and largest_correlation(pairs) > bound:
                 aged.append((output, name))
     given.leave("mismatch" if aged else "no_change", aged=aged)
 
