@@ -57,7 +57,7 @@ class Truth:
     aged: set = None  # (output, input)
     held: object = None  # runs.Judge of a record that had no part
     times: dict = None  # horizons of its predictions, by output
-    loop: dict = None  # flags of mle_simulate
+    loop: dict = None  # flags of mle_simulate, and variances of the noise
     loop_error: object = None  # of a model
     reason_true: object = None  # of a list of reasons
     kind: str = "aged"
@@ -234,9 +234,10 @@ def historian_removed(what):
 
 
 def loop_flags(trial):
+    """What methods are told that are told the control law."""
     flags = {key: value for key, value in trial.record_flags().items() if key in LOOP_FLAGS}
-    return {**flags, "noise_variance": ",".join(
-        f"{(trial.noise * trial.deviations[name])**2:.6g}" for name in trial.outputs)}
+    return {"flags": flags, "noise_variance": {
+        name: (trial.noise * trial.deviations[name])**2 for name in trial.outputs}}
 
 
 def loop_error(apps, trial, model):
@@ -288,8 +289,10 @@ class ByFlags(Case):
                        public / "record.csv")
         truth = Truth(given=drawn.given, true=drawn.plant, interval=drawn.interval,
                       horizon=drawn.horizon, aged=drawn.aged or None, kind=self.kind,
-                      loop={key: value for key, value in drawn.flags.items()
-                            if key in LOOP_FLAGS})
+                      loop={"flags": {key: value for key, value in drawn.flags.items()
+                                      if key in LOOP_FLAGS},
+                            "noise_variance": {channel["name"]: drawn.flags["noise_variance"]
+                                               for channel in drawn.given["outputs"]}})
         with tempfile.TemporaryDirectory() as folder:
             record = pathlib.Path(folder) / "record.csv"
             flags = {**drawn.flags, **drawn.held, "seed": number_of(number, "held")}

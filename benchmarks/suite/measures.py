@@ -118,7 +118,7 @@ class Judged:
         inside = total = 0
         for output, source, key, lower, upper in answer.intervals:
             element = true.get((output, source), {})
-            if "gain" in element:
+            if "gain" in element and key in element:
                 total += 1
                 inside += lower <= element[key] <= upper
         return inside, total

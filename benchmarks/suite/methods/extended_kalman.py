@@ -5,8 +5,8 @@ disturbance d:
 
     x(t + 1) = x(t),   d(t + 1) = d(t) + w(t),   y(t) = h_t(x) + d(t) + v(t),
 
-h the simulated output, linearised anew in every twentieth of the record, which is gone through
-twice (Ljung, IEEE Trans. Automatic Control 24, 1979, 36). Estimated are parameters whose
+h the simulated output. The record is gone through several times, from the same prior, linearised
+where the time before ended (iterated, in steps of at most STEP; Ljung, IEEE Trans. Automatic Control 24, 1979, 36). Estimated are parameters whose
 sensitivity, apart from that to those chosen before, is above CUT standard deviations of the noise
 (Yao, Shaw, Kou, McAuley and Bacon, Polymer Reaction Eng. 11, 2003, 563). The variance of v is that
 of differences, that of w a hundredth of it. An element has aged if its parameters are outside
@@ -24,8 +24,8 @@ PRIOR = 0.3  # standard deviation of a parameter
 CUT = 5.0
 LEVEL = 1e-4
 WALK = 1e-2
-BLOCKS = 20
-ROUNDS = 2
+ROUNDS = 8
+STEP = 0.3  # most that a parameter moves in a round
 KEYS = ("gain", "time_constant", "delay")
 
 
@@ -47,9 +47,10 @@ class Output:
         return responses.errors_of(self.moved(x), stretch, self.output)
 
     def noise_variance(self):
-        moves = common.rows_of([np.diff(self.errors(np.zeros(3 * len(self.elements)), stretch))
-                                for stretch in self.given.stretches])
-        # The median, as moves of the plant are in a few of them.
+        errors = [self.errors(np.zeros(3 * len(self.elements)), stretch)
+                  for stretch in self.given.stretches]
+        moves = np.concatenate([np.diff(error[np.isfinite(error)]) for error in errors])
+        # Of the median, as the plant moves in a few samples only.
         return max(float(np.median(moves**2)) / 0.455 / 2.0, 1e-300) if len(moves) else 1e-300
 
     def slopes(self, x, stretch, free):
@@ -89,12 +90,11 @@ class Output:
         x = np.zeros(3 * len(self.elements))
         covariance = PRIOR**2 * np.eye(len(free))
         for _ in range(ROUNDS):
-            # Each round begins from the prior, linearised where the one before ended.
             centre, covariance = x.copy(), PRIOR**2 * np.eye(len(free))
             x = np.zeros(len(x))
             for stretch in self.given.stretches:
                 x, covariance = self.through(stretch, x, covariance, free, centre)
-                centre = x.copy()
+            x[free] = np.clip(x[free], centre[free] - STEP, centre[free] + STEP)
         return x, covariance
 
     def through(self, stretch, x, covariance, free, centre):
@@ -103,20 +103,15 @@ class Output:
         spread = np.zeros((size + 1, size + 1))
         spread[:size, :size] = covariance
         spread[size, size] = 1e6 * self.noise
-        for block in np.array_split(np.arange(len(stretch.time)), BLOCKS):
-            value, slope = self.slopes(centre, stretch, free)
-            for t in block:
-                spread[size, size] += WALK * self.noise
-                if not np.isfinite(value[t]):
-                    continue
-                row = np.append(slope[t], 1.0)
-                error = value[t] - slope[t] @ (state[:size] - centre[free]) - state[size]
+        value, slope = self.slopes(centre, stretch, free)
+        value = value + slope @ centre[free]
+        for row, measured in zip(np.column_stack([slope, np.ones(len(value))]), value):
+            spread[size, size] += WALK * self.noise
+            if np.isfinite(measured):
                 gain = spread @ row
                 gain /= row @ gain + self.noise
-                state = state + gain * error
+                state = state + gain * (measured - row @ state)
                 spread = spread - np.outer(gain, row @ spread)
-            centre = centre.copy()
-            centre[free] = np.clip(state[:size], -1.5, 1.5)
         x = x.copy()
         x[free] = state[:size]
         return x, spread[:size, :size]

@@ -47,15 +47,19 @@ def set_points(given):
 
 
 def designed(given, loop, scratch):
-    flags = [f"--{name}={value}" for name, value in loop.items()]
+    flags = [f"--{name}={value}" for name, value in loop["flags"].items()]
     folder = pathlib.Path(scratch)
     (folder / "model.json").write_text(json.dumps(given.model))
+    (folder / "effects.json").write_text(json.dumps({"outputs": [
+        {"name": name, "sensor": {"noise_variance": variance}}
+        for name, variance in loop["noise_variance"].items()]}))
     rows = []
     for seed in range(1, LOOPS + 1):
         subprocess.run([pathlib.Path(os.environ["MLE_APPS"], "mle_simulate"),
                         f"--model={folder}/model.json", f"--setpoints={set_points(given)}",
                         f"--duration={given.stretches[0].time[-1]:.10g}", f"--seed={seed}",
-                        f"--out={folder}/record.csv", *flags], check=True,
+                        f"--out={folder}/record.csv", f"--effects={folder}/effects.json",
+                        "--noise_variance=0", *flags], check=True,
                        stdout=subprocess.DEVNULL)
         other = common.Given(folder)
         rows.append(covariances(given, other.stretches))
