@@ -25,7 +25,7 @@ import report  # of benchmarks/real, by cases
 
 COLUMNS = ["track", "scenario", "plant", "kind", "repeat", "method", "decision", "E_before",
            "E_after", "relative_E_before", "relative_E_after", "error", "worst_error", "named",
-           "harm", "inside", "intervals", "reason_true", "loop", "loop_of_truth", "why"]
+           "harm", "inside", "intervals", "told", "reason_true", "loop", "loop_of_truth", "why"]
 
 
 def rounded(value):
@@ -86,6 +86,7 @@ class Judged:
         row["inside"], row["intervals"] = self.coverage(answer)
         if self.case.track == "adversary":
             told = truth.reason_true(answer.reasons)
+            row["told"] = len(answer.reasons)
             row["reason_true"] = None if told is None else int(told)
         if self.loop and math.isfinite(self.loop):
             after = truth.loop_error(model) if corrected else self.loop

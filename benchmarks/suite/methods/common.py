@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "benchmarks" / name) for name in ("real", "reality", "peers")]
+sys.path[:0] = [str(ROOT / "benchmarks" / name) for name in ("real", "reality")]
 import least_squares  # noqa: E402
 import records  # noqa: E402
 import responses  # noqa: E402

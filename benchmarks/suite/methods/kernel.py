@@ -1,17 +1,18 @@
 """kernel.py FOLDER: finite impulse responses without a prior model, by a stable-spline kernel.
 
-benchmarks/peers/kernel_fir.py (Chen, Ohlsson and Ljung, Automatica 48, 2012, 1525), with all
-inputs; step responses are replaced by the nearest of first order with dead time. There is no test:
+kernel_fir.py (Chen, Ohlsson and Ljung, Automatica 48, 2012, 1525), with all inputs and at most TAPS
+values for each impulse response; step responses are replaced by the nearest of first order with dead time. There is no test:
 it always corrects.
 """
 
 import sys
 
 import common
-import kernel_fir  # of benchmarks/peers
+import kernel_fir
 import numpy as np
 
 MOST_SAMPLES = 6000
+TAPS = 80
 
 
 def thinned(given):
@@ -33,7 +34,7 @@ def main(folder):
     windows, stride = thinned(given)
     p, m = len(given.outputs), len(given.inputs)
     samples = max(10, given.settling() // stride)
-    hold = max(1, -(-samples // kernel_fir.TAPS))
+    hold = max(1, -(-samples // TAPS))
     phi, ones = kernel_fir.regressors(windows, p, samples, hold)
     outputs = np.vstack([window[:, :p] for window in windows])
     columns = phi.shape[1] // m

@@ -4,15 +4,14 @@ For each output
 
     y = Σ_j Φ_j g_j + b 1 + e,   g_j ~ N(0, c_j K(α_j)),   K_st = α^max(s, t) (TC),
 
-Φ_j the past of input j, at rest before the window, impulse responses held over a few samples so
-that at most 150 values stand for each. c_j, α_j and the noise variance maximise the marginal
-likelihood (Chen, Ohlsson and Ljung, Automatica 48, 2012) in coordinates, α over the grid of
-time constants; then g is its posterior mean. benchmarks/suite calls it.
+Φ_j the past of input j, at rest before the window, impulse responses held over a few samples. c_j,
+α_j and the noise variance maximise the marginal likelihood (Chen, Ohlsson and Ljung, Automatica 48,
+2012) in coordinates, α over the grid of time constants; then g is its posterior mean. kernel.py is
+the method.
 """
 
 import numpy as np
 
-TAPS = 150
 ROUNDS = 4
 
 
