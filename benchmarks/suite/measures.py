@@ -53,6 +53,8 @@ class Judged:
         row = {"track": self.case.track, "scenario": self.case.name, "plant": self.case.plant,
                "kind": self.case.kind, "repeat": self.case.repeat, "method": method.name,
                "decision": answer.decision, "why": answer.why}
+        if self.before:
+            (row["E_before"], row["relative_E_before"]) = self.before
         if not method.corrects:
             row["named"] = self.named(answer, set())
             return self.finished(row)
@@ -72,7 +74,6 @@ class Judged:
         corrected = answer.decision == "corrected"
         changed, largest = truth.changed(model) if corrected else (set(), 0.0)
         if self.before:
-            (row["E_before"], row["relative_E_before"]) = self.before
             (row["E_after"], row["relative_E_after"]) = truth.distance(model)
             if not math.isfinite(row["relative_E_after"]):
                 raise ValueError("the step responses are not finite")

@@ -11,11 +11,13 @@ import measures
 import tracks
 
 DOWN = 5.0  # times, of relative E
+EXACT = 1e-12  # relative E of a model that is the plant
+UNSTABLE = 100.0  # times the squared error of the loop
 
 # Key, head, what it says.
 COLUMNS = (
     ("runs", "cases", "without, and with something aged"),
-    ("false", "false alarms, %", "nothing aged, and the method says that something has; simulated plants"),
+    ("false", "false alarms, %", "the model given is exact, and the method says that something has aged"),
     ("found", "found, %", "aged, and the method says so: it corrects, or reports a mismatch"),
     ("named", "named, %", "aged, and exactly the elements that have aged are named"),
     ("open", "open, %", "cannot tell"),
@@ -25,8 +27,9 @@ COLUMNS = (
     ("error", "error", "aged: error of predictions of records held out, over that with the model "
      "given, geometric mean"),
     ("loop", "loop", "aged: squared error of the closed loop, over that with the model given, "
-     "geometric mean; in brackets with the true model"),
-    ("unstable", "unstable", "aged: loops that the corrected model makes unstable"),
+     "geometric mean of those that are stable; in brackets with the true model"),
+    ("unstable", "unstable", "aged: loops that the corrected model makes unstable, or a hundred "
+     "times as bad"),
     ("coverage", "coverage, %", "of stated 95 % intervals"),
     ("reason", "reason, %", "true, where one is told or is to be told"),
     ("silent", "failed, %", "no answer: failed, or took too long"),
@@ -53,9 +56,12 @@ def says_so(row):
 def cells(rows, corrects):
     """A number, or None, for each column."""
     none = [row for row in rows if row["kind"] == "none"]
-    exact = [row for row in none if row["track"] != "real"]  # models of real plants never are
+    exact = [row for row in none if row["relative_E_before"] is not None
+             and row["relative_E_before"] < EXACT]
     aged = [row for row in rows if row["kind"] == "aged"]
     named = of(aged, "named")
+    if not corrects and set(named) <= {"missed"}:  # it never says which
+        named = []
     result = {
         "runs": f"{len(none)} + {len(aged)}",
         "false": share(sum(map(says_so, exact)), len(exact)),
@@ -67,19 +73,26 @@ def cells(rows, corrects):
         pairs = [(row["relative_E_before"], row["relative_E_after"]) for row in aged
                  if row["relative_E_before"]]
         inside, total = sum(of(rows, "inside")), sum(of(rows, "intervals"))
-        truths = of(aged, "loop")
+        loops = of(aged, "loop")
+        stable = [row for row in aged if row["loop"] is not None and row["loop"] < UNSTABLE]
         result.update({
             "harm": share(sum(of(rows, "harm")), len(of(rows, "harm"))),
             "down": share(sum(DOWN * after <= before for before, after in pairs), len(pairs)),
             "E": statistics.median(after / before for before, after in pairs) if pairs else None,
-            "error": geometric(of(aged, "error")), "loop": geometric(truths),
-            "truth": geometric(row["loop_of_truth"] for row in aged if row["loop"] is not None),
-            "unstable": sum(math.isinf(value) for value in truths) if truths else None,
+            "error": geometric(of(aged, "error")), "loop": geometric(of(stable, "loop")),
+            "truth": geometric(of(stable, "loop_of_truth")),
+            "unstable": len(loops) - len(stable) if loops else None,
             "coverage": share(inside, total),
             # Of a method that ever tells one.
             "reason": share(sum(of(rows, "reason_true")), len(of(rows, "reason_true")))
             if any(of(rows, "told")) else None})
     return result
+
+
+def number(key, value):
+    if key == "E":
+        return f"{value:.2g}"
+    return f"{value:.2f}" if key in ("error", "loop") else f"{value:.0f}"
 
 
 def shown(key, found):
@@ -88,9 +101,9 @@ def shown(key, found):
         return "–"
     if isinstance(value, str):
         return value
-    text = f"{value:.0f}" if key == "unstable" else f"{value:.3g}"
+    text = number(key, value)
     if key == "loop" and found.get("truth"):
-        text += f" ({found['truth']:.3g})"
+        text += f" ({number(key, found['truth'])})"
     return text
 
 
@@ -120,7 +133,7 @@ def power_table(rows, methods):
         for part in tracks.PARTS:
             some = [row for row in rows if row["track"] == "power"
                     and row["method"] == method.name and float(row["scenario"]) == part]
-            line.append(f"{share(sum(map(says_so, some)), len(some)):.3g}" if some else "–")
+            line.append(f"{share(sum(map(says_so, some)), len(some)):.0f}" if some else "–")
         if any(text != "–" for text in line):
             lines.append([method, *line])
     return lines
@@ -167,11 +180,11 @@ def markdown(arguments, rows, methods, lives):
 
 STYLE = """
 :root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 90rem; padding: 0 1rem; }
+body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 100rem; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .6rem; text-align: right; border-bottom: 1px solid #8884; }
+th, td { padding: .3rem .45rem; text-align: right; border-bottom: 1px solid #8884; }
 td { white-space: nowrap; }
 th { position: sticky; top: 0; background: Canvas; vertical-align: bottom; }
 th button { all: unset; cursor: pointer; font-weight: 600; }
