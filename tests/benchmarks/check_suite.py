@@ -132,6 +132,17 @@ def two_runs_give_the_same_bytes(folder):
     assert b"| mine |" in one["benchmark.md"]
 
 
+def lives_are_watched(folder):
+    program = build / "benchmarks/watch_benchmark"
+    if not program.exists():
+        print("no watch_benchmark: the track watch is left out")
+        return
+    done = subprocess.run([sys.executable, suite / "run", f"--apps={build / 'apps'}", f"--watch={program}",
+                           f"--out={folder}", "--form=smoke", "--tracks=watch"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "| mle_watch | 1 + 3 |" in done.stdout, done.stdout
+
+
 distances_harm_and_names_are_as_defined()
 first_order_is_found()
 tails_are_those_of_tables()
@@ -141,3 +152,4 @@ with tempfile.TemporaryDirectory() as scratch:
     answers_are_read_and_refused(pathlib.Path(scratch))
 with tempfile.TemporaryDirectory() as scratch:
     two_runs_give_the_same_bytes(pathlib.Path(scratch))
+    lives_are_watched(pathlib.Path(scratch))
