@@ -17,7 +17,8 @@ UNSTABLE = 100.0  # times the squared error of the loop
 # Key, head, what it says.
 COLUMNS = (
     ("runs", "cases", "without, and with something aged"),
-    ("false", "false alarms, %", "the model given is exact, and the method says that something has aged"),
+    ("false", "false alarms, %", "the model given is exact, and the method says that something has "
+     "aged"),
     ("found", "found, %", "aged, and the method says so: it corrects, or reports a mismatch"),
     ("named", "named, %", "aged, and exactly the elements that have aged are named"),
     ("open", "open, %", "cannot tell"),
@@ -180,7 +181,8 @@ def markdown(arguments, rows, methods, lives):
 
 STYLE = """
 :root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 100rem; padding: 0 1rem; }
+body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 100rem;
+  padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }

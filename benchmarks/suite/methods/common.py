@@ -1,4 +1,4 @@
-"""What the methods of this folder share: the record, simulation errors, and how answers are left."""
+"""What the methods of this folder share: the record, simulation errors, how answers are left."""
 
 import csv
 import json
@@ -10,7 +10,6 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT / "benchmarks" / name) for name in ("real", "reality")]
-import least_squares  # noqa: E402
 import records  # noqa: E402
 import responses  # noqa: E402
 import runs  # noqa: E402
@@ -53,14 +52,14 @@ class Given:
         return [centred(responses.errors_of(elements, stretch, output), ramp)
                 for stretch in self.stretches]
 
-    def leave(self, decision, elements=None, aged=(), intervals=(), reasons=()):
+    def leave(self, decision, elements=None, aged=(), intervals=()):
         if elements is not None:
             model = dict(self.model, elements=elements)
             (self.folder / "model.json").write_text(json.dumps(model, indent=1))
         with (self.folder / "decision.txt").open("w", newline="") as file:
             csv.writer(file).writerows(
                 [[decision], *(["aged", *pair] for pair in aged),
-                 *(["interval", *row] for row in intervals), *(["reason", *row] for row in reasons)])
+                 *(["interval", *row] for row in intervals)])
 
 
 def centred(values, ramp=False):

@@ -6,11 +6,12 @@ disturbance d:
     x(t + 1) = x(t),   d(t + 1) = d(t) + w(t),   y(t) = h_t(x) + d(t) + v(t),
 
 h the simulated output. The record is gone through several times, from the same prior, linearised
-where the time before ended (iterated, in steps of at most STEP; Ljung, IEEE Trans. Automatic Control 24, 1979, 36). Estimated are parameters whose
-sensitivity, apart from that to those chosen before, is above CUT standard deviations of the noise
-(Yao, Shaw, Kou, McAuley and Bacon, Polymer Reaction Eng. 11, 2003, 563). The variance of v is that
-of differences, that of w a hundredth of it. An element has aged if its parameters are outside
-their ellipsoid of LEVEL; intervals are those of the filter.
+where the time before ended (iterated, in steps of at most STEP; Ljung, IEEE Trans. Automatic
+Control 24, 1979, 36). Estimated are parameters whose sensitivity, apart from that to those chosen
+before, is above CUT standard deviations of the noise (Yao, Shaw, Kou, McAuley and Bacon, Polymer
+Reaction Eng. 11, 2003, 563). The variance of v is that of differences, that of w a hundredth of it.
+An element has aged if its parameters are outside their ellipsoid of LEVEL; intervals are those of
+the filter.
 """
 
 import sys

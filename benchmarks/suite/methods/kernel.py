@@ -1,8 +1,8 @@
 """kernel.py FOLDER: finite impulse responses without a prior model, by a stable-spline kernel.
 
 kernel_fir.py (Chen, Ohlsson and Ljung, Automatica 48, 2012, 1525), with all inputs and at most TAPS
-values for each impulse response; step responses are replaced by the nearest of first order with dead time. There is no test:
-it always corrects.
+values for each impulse response; step responses are replaced by the nearest of first order with
+dead time. There is no test: it always corrects.
 """
 
 import sys
