@@ -17,7 +17,9 @@ import numpy as np
 def polynomials(element):
     """Numerator and denominator in s, highest power first, without leading zeros."""
     if "gain" in element:
-        numerator, denominator = [element["gain"]], [element["time_constant"], 1.0]
+        numerator, denominator = [element["gain"]], [element.get("time_constant", 0.0), 1.0]
+        if element.get("integrating"):
+            denominator.append(0.0)
     else:
         numerator, denominator = list(element["numerator"]), list(element["denominator"])
     for coefficients in (numerator, denominator):

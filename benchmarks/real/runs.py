@@ -187,7 +187,7 @@ def changed(before, after):
         one, other = old[pair], new[pair]
         if "gain" in one and "gain" in other:
             for key in ("gain", "time_constant"):
-                by = other[key] / one[key] if one[key] else 1.0
+                by = other.get(key, 0.0) / one[key] if one.get(key) else 1.0
                 size = abs(math.log(by)) if by > 0.0 else math.inf
                 result += [[pair, key, by, size]] if size > SAME else []
         elif responses.polynomials(one) != responses.polynomials(other):

@@ -55,6 +55,11 @@ PLANTS = {
     "fired_heater": Plant("benchmarks/plants/fired_heater.json", (2, 0.5), 80, 0.25, 0.5, 40),
     "mixing_tank": Plant("benchmarks/plants/mixing_tank.json", (1, 1), 300, 1, 2, 40),
     "dryer": Plant("configs/dryer.json", (1, 5), 600, 4, 8, 40),
+    # Prett and Garcia, Fundamental Process Control, Butterworths 1988: y1, y2, y7 of u1, u2, u3.
+    "shell_fractionator": Plant("benchmarks/plants/shell_fractionator.json", (1, 1, 1), 400, 2, 4,
+                                40),
+    # Shen, Cai and Li, Ind. Eng. Chem. Res. 49 (2010) 761: four rooms of an air-conditioned house.
+    "four_rooms": Plant("benchmarks/plants/four_rooms.json", (1, 1, 1, 1), 900, 4, 8, 40),
 }
 
 # Thresholds may be chosen on the first; the second is for reports.
@@ -123,8 +128,8 @@ def input_sizes(model, steps):
 
 def times_of(element):
     """The sum of the time constants of an element."""
-    if "time_constant" in element:
-        return element["time_constant"]
+    if "gain" in element:
+        return element.get("time_constant", 0.0)
     return element["denominator"][-2] / element["denominator"][-1]
 
 
@@ -152,7 +157,8 @@ def aged(element, gain=1.0, time_constant=1.0, delay=0.0):
     result["delay"] = max(0.0, result["delay"] + delay)
     if "gain" in result:
         result["gain"] *= gain
-        result["time_constant"] *= time_constant
+        if "time_constant" in result:  # not of an integrator alone
+            result["time_constant"] *= time_constant
         return result
     for key, factor in (("numerator", gain), ("denominator", 1.0)):
         order = len(result[key]) - 1

@@ -73,4 +73,5 @@ def main():
               f"{median(informed)} | {ratio} |")
 
 
-main()
+if __name__ == "__main__":
+    main()

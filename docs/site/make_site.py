@@ -132,8 +132,8 @@ def listing(path):
 
 
 def copy_source(path):
-    """The page of a file that is neither a document nor a header; images are copied."""
-    if path.suffix in (".png", ".svg"):
+    """The page of a file that is neither a document nor a header; images and pages are copied."""
+    if path.suffix in (".png", ".svg", ".html"):
         target = f"images/{path.name}"
         (out / "images").mkdir(exist_ok=True)
         shutil.copyfile(path, out / target)

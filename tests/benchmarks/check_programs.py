@@ -3,14 +3,11 @@
 solver_benchmark, which has no small problem, is only built.
 """
 
-import importlib.machinery
-import importlib.util
 import pathlib
 import subprocess
 import sys
 import tempfile
 
-sys.dont_write_bytecode = True
 source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 programs = build / "benchmarks"
 
@@ -50,19 +47,6 @@ def check_lives(folder):
                    stdout=subprocess.DEVNULL)
 
 
-def check_decisions(folder):
-    loader = importlib.machinery.SourceFileLoader("decisions", str(source / "benchmarks/scripts/decisions"))
-    decisions = importlib.util.module_from_spec(importlib.util.spec_from_loader("decisions", loader))
-    sys.modules["decisions"] = decisions
-    loader.exec_module(decisions)
-    decisions.APPS, decisions.RESULTS = build / "apps", pathlib.Path(folder)
-    chosen = [case for case in decisions.cases() if case.name == "two_by_two, gains aged, q = 1e-6"]
-    rows = decisions.study(chosen, [1])
-    assert [(row["decision"], row["named"]) for row in rows] == [("corrected", 1)], rows
-    assert decisions.study(chosen, [1]) == rows
-    decisions.print_table(chosen, rows)
-
-
-for check in (check_problems, check_peer, check_lives, check_decisions):
+for check in (check_problems, check_peer, check_lives):
     with tempfile.TemporaryDirectory() as scratch:
         check(scratch)

@@ -1,22 +1,17 @@
-#!/usr/bin/env python3
-"""kernel_fir.py FOLDER: finite impulse responses without a prior model, by a stable-spline kernel.
+"""Finite impulse responses without a prior model, by a stable-spline kernel.
 
-FOLDER as octave_peers.m has it. For each output
+For each output
 
     y = Σ_j Φ_j g_j + b 1 + e,   g_j ~ N(0, c_j K(α_j)),   K_st = α^max(s, t) (TC),
 
-Φ_j the past of input j, at rest before the window, impulse responses held over a few samples so
-that at most 150 values stand for each. c_j, α_j and the noise variance maximise the marginal
-likelihood (Chen, Ohlsson and Ljung, Automatica 48, 2012) in coordinates, α over the grid of
-time constants; then g is its posterior mean. Writes step.txt.
+Φ_j the past of input j, at rest before the window, impulse responses held over a few samples. c_j,
+α_j and the noise variance maximise the marginal likelihood (Chen, Ohlsson and Ljung, Automatica 48,
+2012) in coordinates, α over the grid of time constants; then g is its posterior mean. kernel.py is
+the method.
 """
-
-import pathlib
-import sys
 
 import numpy as np
 
-TAPS = 150
 ROUNDS = 4
 
 
@@ -96,30 +91,3 @@ class Output:
                         best, scales = value, trial
             step = step**0.6
         return self.solve(scales, alphas)[1]
-
-
-def main(folder):
-    p, m, samples, _ = (int(value) for value in (folder / "settings.txt").read_text().split())
-    windows = []
-    while (folder / f"window_{len(windows) + 1}.txt").exists():
-        windows.append(np.loadtxt(folder / f"window_{len(windows) + 1}.txt"))
-    hold = max(1, -(-samples // TAPS))
-    phi, ones = regressors(windows, p, samples, hold)
-    # The offsets are free: projected out.
-    means = (ones.T @ phi) / ones.sum(axis=0)[:, None]
-    phi = phi - ones @ means
-    columns = phi.shape[1] // m
-    gram = phi.T @ phi
-    steps = np.zeros((samples, p * m))
-    outputs = np.vstack([window[:, :p] for window in windows])
-    for i in range(p):
-        y = outputs[:, i] - ones @ ((ones.T @ outputs[:, i]) / ones.sum(axis=0))
-        g = Output(gram, phi.T @ y, y @ y, len(y), columns, m).maximise()
-        for j in range(m):
-            impulse = np.repeat(g[j * columns:(j + 1) * columns], hold)[:samples - 1]
-            steps[1:, i * m + j] = np.cumsum(impulse)
-    np.savetxt(folder / "step.txt", steps)
-
-
-if __name__ == "__main__":
-    main(pathlib.Path(sys.argv[1]))
