@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle::control {
@@ -19,6 +20,49 @@ double LeastSlope(const Transform& transform, double from, double to) {
     if (x > from && x < to) least = std::min(least, transform.Slope(x));
   }
   return least;
+}
+
+// The linear values that an input has at all: of a valve from closed to open,
+// of other curves those that have an engineering value, but for a thousandth.
+struct Bounds {
+  double lower = -kInfinity;
+  double upper = kInfinity;
+};
+
+Bounds BoundsOf(const Transform& transform) {
+  constexpr double kInside = 0.999;
+  // Of an end of the curve, by how much it is away from a.
+  const auto one_end = [&](double distance) -> Bounds {
+    const double end = transform.at - kInside * distance;
+    if (distance > 0.0) return {end, kInfinity};
+    return {-kInfinity, end};
+  };
+  switch (transform.kind) {
+    case TransformKind::kEqualPercentage:
+      return {transform.Linear(transform.low),
+              transform.Linear(transform.high)};
+    case TransformKind::kQuickOpening:
+      return {one_end(2.0 * (transform.at - transform.low)).lower,
+              transform.Linear(transform.high)};
+    case TransformKind::kExponential:
+      return one_end(1.0 / transform.curvature);
+    case TransformKind::kPower:
+      return one_end((transform.at - transform.zero) / transform.exponent);
+    default:
+      return {};
+  }
+}
+
+// Limits of an input that has none are those of its curve.
+void LimitByCurve(const Bounds& bounds, Index input, Index inputs,
+                  MpcLimits& limits) {
+  const auto limit = [&](double bound, double none, VectorXd& values) {
+    if (!std::isfinite(bound)) return;
+    if (values.size() == 0) values = VectorXd::Constant(inputs, none);
+    if (!std::isfinite(values[input])) values[input] = bound;
+  };
+  limit(bounds.lower, -kInfinity, limits.min_input);
+  limit(bounds.upper, kInfinity, limits.max_input);
 }
 
 template <typename Channels>
@@ -87,6 +131,11 @@ absl::StatusOr<MpcLimits> EngineeringVariables::LinearLimits(
   MLE_RETURN_IF_ERROR(ChangeLimits(inputs_, "max_input", linear.max_input));
   MLE_RETURN_IF_ERROR(ChangeLimits(outputs_, "min_output", linear.min_output));
   MLE_RETURN_IF_ERROR(ChangeLimits(outputs_, "max_output", linear.max_output));
+  const auto inputs = static_cast<Index>(inputs_.size());
+  for (Index j = 0; j < inputs; ++j) {
+    if (inputs_[j].transform.IsNone()) continue;
+    LimitByCurve(BoundsOf(inputs_[j].transform), j, inputs, linear);
+  }
   return linear;
 }
 

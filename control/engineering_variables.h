@@ -23,7 +23,8 @@ class EngineeringVariables {
   bool has_transforms() const { return !inputs_.empty(); }
 
   // Limits in linear variables. A limit of moves is the one that holds wherever
-  // the input is: it takes the least slope between the input's limits.
+  // the input is: it takes the least slope between the input's limits. Inputs
+  // without limits have those of their curve: a valve is closed or open.
   // InvalidArgument, naming the channel, for a limit without a transform, and
   // for limited moves of an input without limits.
   absl::StatusOr<MpcLimits> LinearLimits(const MpcLimits& limits) const;

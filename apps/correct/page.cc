@@ -199,6 +199,34 @@ std::vector<std::pair<std::string, std::string>> FilesOf(const Result& result) {
   return files;
 }
 
+// Where gains hold, and how they follow the channels that have transforms.
+std::string TransformNote(const Result& result) {
+  std::vector<std::string> transforms;
+  std::string at;
+  const auto add = [&](const auto& channels) {
+    for (const auto& channel : channels) {
+      if (channel.transform.IsNone()) continue;
+      transforms.push_back(
+          absl::StrCat(channel.name, " (", channel.transform.Description(),
+                       ", 1 at ", FormatSignificant(channel.transform.at, 4),
+                       channel.unit == "-" ? "" : " ",
+                       channel.unit == "-" ? "" : channel.unit, ")"));
+      if (at.empty()) at = channel.name;
+    }
+  };
+  add(result.model.inputs());
+  add(result.model.outputs());
+  if (transforms.empty()) return "";
+  return absl::StrCat(
+      "Gains follow the transforms of ", absl::StrJoin(transforms, ", "),
+      "; model.json has them, for a controller that has transforms. For one "
+      "that has none, ",
+      report::QuoteCommandLine({"mle_convert", "--model=model.json",
+                                absl::StrCat("--at=", at, ":VALUE"),
+                                "--out=linear.json"}),
+      " gives the linear model where it is to work.");
+}
+
 void AddForTheController(const Result& result, HtmlPage& page) {
   if (!result.accepted()) {
     page.OpenFold("The model as first-order elements, and files");
@@ -207,6 +235,7 @@ void AddForTheController(const Result& result, HtmlPage& page) {
   }
   page.AddTableToCopy(ControllerTable(result, true),
                       ControllerTable(result, false));
+  page.AddParagraph(TransformNote(result));
   page.AddParagraph(WhereFirstOrderIsNotNear(result));
   if (result.accepted()) page.OpenFold("The same as files");
   page.AddFiles(FilesOf(result));
