@@ -1,0 +1,129 @@
+#include "mle/explain/curves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/explain/competition.h"
+#include "tests/mle/explain/closed_loop_records.h"
+
+namespace mle {
+namespace {
+
+constexpr CurveShape kShapes[] = {
+    CurveShape::kExponential, CurveShape::kSinh, CurveShape::kLogarithm,
+    CurveShape::kQuadratic,   CurveShape::kRoot, CurveShape::kTanh};
+
+// There and back, with the slope of differences, bent either way.
+TEST(CurvesTest, EveryShapeHasItsInverseAndItsSlope) {
+  for (const CurveShape shape : kShapes) {
+    for (const double c : {-0.4, 0.4}) {
+      SCOPED_TRACE(static_cast<int>(shape) + c);
+      EXPECT_EQ(Bend(shape, c, 0.0), 0.0);
+      EXPECT_NEAR(SlopeOf(shape, c, 0.0), 1.0, 1e-12);
+      for (const double x : {-0.9, -0.3, 1e-7, 0.5, 0.95}) {
+        const double y = Bend(shape, c, x);
+        EXPECT_NEAR(Straighten(shape, c, y), x, 1e-9);
+        constexpr double kStep = 1e-6;
+        EXPECT_NEAR(SlopeOf(shape, c, x),
+                    (Bend(shape, c, x + kStep) - y) / kStep, 1e-5);
+      }
+    }
+  }
+}
+
+TEST(CurvesTest, WhereThereIsNoCurveThereIsNone) {
+  EXPECT_TRUE(std::isnan(Bend(CurveShape::kLogarithm, 1.0, -1.5)));
+  EXPECT_TRUE(std::isnan(Bend(CurveShape::kQuadratic, 1.0, -1.5)));
+  EXPECT_TRUE(std::isnan(Bend(CurveShape::kRoot, 1.0, -1.5)));
+  EXPECT_TRUE(std::isnan(Bend(CurveShape::kTanh, 1.0, 1.5)));
+  EXPECT_TRUE(std::isnan(Straighten(CurveShape::kExponential, 1.0, -1.5)));
+}
+
+// Shapes of a family are alike where little is visited.
+TEST(CurvesTest, OtherShapesBendAsFarFromTheStart) {
+  for (const int part : ShapesOf(ExplanationKind::kCurvedInput)) {
+    const Explanation curve = {ExplanationKind::kCurvedInput, 0, 0.3, 0};
+    const std::vector<Explanation> others = InShape(curve, part);
+    ASSERT_EQ(others.size(), 1U);
+    EXPECT_NEAR(Bend(ShapeOf(others[0]), others[0].value, 0.2),
+                Bend(ShapeOf(curve), curve.value, 0.2), 5e-4);
+  }
+  EXPECT_EQ(InShape({ExplanationKind::kCurvedOutput, 0, 0.3, 0},
+                    static_cast<int>(CurveShape::kTanh))
+                .size(),
+            2U);
+}
+
+// The transform of a channel is the curve of an input, and straightens that of
+// an output; gains are its slopes.
+TEST(CurvesTest, AFoundCurveIsATransform) {
+  for (const bool is_output : {false, true}) {
+    for (const CurveShape shape : kShapes) {
+      FoundCurve curve;
+      curve.is_output = is_output;
+      curve.shape = shape;
+      curve.curvature = -0.3;
+      curve.at = 2.0;
+      curve.low = 1.0;
+      curve.high = 3.0;
+      const Transform transform = curve.AsTransform();
+      ASSERT_TRUE(transform.Validate().ok()) << transform.Validate();
+      SCOPED_TRACE(transform.Description());
+      for (const double x : {1.2, 2.0, 2.7}) {
+        const double z = 2.0 + (is_output ? Straighten(shape, -0.3, x - 2.0)
+                                          : Bend(shape, -0.3, x - 2.0));
+        EXPECT_NEAR(transform.Linear(x), z, 1e-3);
+        const double slope = transform.Slope(x);
+        EXPECT_NEAR(curve.GainAt(x).value, is_output ? 1.0 / slope : slope,
+                    0.02);
+      }
+    }
+  }
+}
+
+TEST(CurvesTest, ABandHasTheErrorsOfAllShapesInIt) {
+  FoundCurve curve;
+  curve.curvature = 0.5;
+  curve.standard_error = 0.05;
+  curve.low = -1.0;
+  curve.high = 1.0;
+  const FoundCurve::Gain alone = curve.GainAt(1.0);
+  EXPECT_NEAR(alone.upper, std::exp(0.5 + 1.96 * 0.05), 1e-3);
+  EXPECT_NEAR(alone.lower, std::exp(0.5 - 1.96 * 0.05), 1e-3);
+  curve.alternatives.push_back({CurveShape::kQuadratic, 0.4});
+  EXPECT_NEAR(curve.GainAt(1.0).lower, 1.4 - 1.96 * 0.04, 1e-3);
+  // One upon the other: gains are multiplied.
+  FoundCurve upon = curve;
+  upon.alternatives.clear();
+  upon.curvature = -0.2;
+  curve.upon = {upon};
+  const double linear = std::expm1(0.5) / 0.5;
+  EXPECT_NEAR(curve.GainAt(1.0).value, std::exp(0.5) * std::exp(-0.2 * linear),
+              1e-9);
+}
+
+// A valve of equal percentage is an exponential, for all its outputs.
+TEST(CurvesTest, TheShapeThatLeavesLeastIsTaken) {
+  Happening happening;
+  happening.input = [](int input, double asked) {
+    return input == 0 ? std::expm1(2.0 * asked) / 2.0 : asked;
+  };
+  happening.samples = 2400;
+  happening.drift = 0.002;
+  const auto competition = Competition::Run(
+      TwoLoops(), {CloseLoops(TwoLoops(), 3, happening)}, ExplainOptions());
+  ASSERT_TRUE(competition.ok()) << competition.status();
+  const std::vector<FoundCurve> curves = competition->Curves();
+  ASSERT_EQ(curves.size(), 1U);
+  EXPECT_FALSE(curves[0].is_output);
+  EXPECT_EQ(curves[0].channel, 0);
+  for (const double u : {-0.2, 0.3}) {
+    const FoundCurve::Gain gain = curves[0].GainAt(curves[0].at + u);
+    EXPECT_NEAR(gain.value, std::exp(2.0 * u), 0.1 * std::exp(2.0 * u));
+  }
+}
+
+}  // namespace
+}  // namespace mle
