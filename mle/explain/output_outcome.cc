@@ -132,21 +132,19 @@ MatrixXd OutputCompetition::CovarianceOfTheta() const {
 // The roots of the means of what is left.
 VectorXd OutputCompetition::KeptByPlacebos(
     const std::vector<Explanation>& explanations, const MatrixXd& A) const {
-  constexpr double kStep = 1e-3;
-  constexpr double kLeast = 0.1;
+  constexpr double kLeastKept = 0.1;
+  const MatrixXd moved = JacobianOf(
+      output_,
+      [this](const std::vector<Explanation>& at) {
+        return output_.Residual(at);
+      },
+      explanations, output_.Residual(explanations));
   VectorXd kept(A.rows());
-  const VectorXd at = output_.Residual(explanations);
   for (Index i = 0; i < A.rows(); ++i) {
-    std::vector<Explanation> moved = explanations;
-    Explanation& one = moved[static_cast<std::size_t>(i)];
-    const double step =
-        one.value + kStep <= output_.Bounds(one).second ? kStep : -kStep;
-    one.value += step;
     const VectorXd shares =
-        instruments_.ProjectPlacebos((output_.Residual(moved) - at) / step) *
-        A.row(i).transpose();
+        instruments_.ProjectPlacebos(moved.col(i)) * A.row(i).transpose();
     const double left = 1.0 - shares.array().square().cwiseMin(1.0).mean();
-    kept[i] = std::sqrt(std::max(left, kLeast));
+    kept[i] = std::sqrt(std::max(left, kLeastKept));
   }
   return kept;
 }
