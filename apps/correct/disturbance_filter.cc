@@ -168,13 +168,14 @@ absl::StatusOr<FilterOperation> CompareFilters(const Result& result) {
     const double g = filter.bias_gain;
     bias.disturbance_variance_ratios(i) = g * g / (1.0 - g);
   }
+  // At rest at the operating point of transforms, where there are any.
+  const ProcessModel plant = WithoutTransforms(result.model);
   const auto variances = [&](const control::MpcOptions& tuning)
       -> absl::StatusOr<Eigen::VectorXd> {
     MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
-                         control::Mpc::Create(result.model, tuning));
-    MLE_ASSIGN_OR_RETURN(
-        const control::ExpectedOperation operation,
-        control::ExpectOperation(mpc, result.model, conditions));
+                         control::Mpc::Create(plant, tuning));
+    MLE_ASSIGN_OR_RETURN(const control::ExpectedOperation operation,
+                         control::ExpectOperation(mpc, plant, conditions));
     return operation.resting_variance;
   };
   MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd in_use,

@@ -82,10 +82,13 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
     return absl::FailedPreconditionError(
         "a comparison of loops of this control period takes too many samples");
   }
-  MLE_ASSIGN_OR_RETURN(const control::Mpc old_mpc,
-                       control::Mpc::Create(result.initial, tuning));
+  // Around the operating point of transforms, where there are any.
+  const ProcessModel plant = WithoutTransforms(result.model);
+  MLE_ASSIGN_OR_RETURN(
+      const control::Mpc old_mpc,
+      control::Mpc::Create(WithoutTransforms(result.initial), tuning));
   MLE_ASSIGN_OR_RETURN(const control::Mpc new_mpc,
-                       control::Mpc::Create(result.model, tuning));
+                       control::Mpc::Create(plant, tuning));
   const int p = result.initial.num_outputs();
   comparison.steps.resize(p);
   std::vector<absl::Status> status(p);
@@ -93,9 +96,9 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
     const sim::SetPointProfile set_points{
         .steps = {{i, at, StepOf(result.data, i)}}};
     const absl::StatusOr<Record> before =
-        Follow(result.model, old_mpc, set_points, options);
+        Follow(plant, old_mpc, set_points, options);
     const absl::StatusOr<Record> after =
-        Follow(result.model, new_mpc, set_points, options);
+        Follow(plant, new_mpc, set_points, options);
     status[i] = before.ok() ? after.status() : before.status();
     if (!status[i].ok()) return;
     LoopStep& step = comparison.steps[i];

@@ -261,6 +261,10 @@ std::string Obstacle(const Result& result) {
     return absl::StrCat("Correct what forbids a correction first: ",
                         result.data.obstacles.front().text);
   }
+  if (HasTransforms(result.initial)) {
+    return "Moves are planned for linear models, and this one has a transform: "
+           "make a linear one where the plan is to be (mle_convert --at).";
+  }
   if (result.estimate.setting.noise.empty()) {
     return "Nothing was estimated from these records.";
   }

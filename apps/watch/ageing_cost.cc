@@ -96,8 +96,10 @@ class Valuer {
  private:
   absl::StatusOr<control::ExpectedOperation> Expect(
       const ProcessModel& model, const ProcessModel& plant) const {
-    MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
-                         control::Mpc::Create(model, tuning_));
+    // At rest at the operating point of transforms, where there are any.
+    MLE_ASSIGN_OR_RETURN(
+        const control::Mpc mpc,
+        control::Mpc::Create(WithoutTransforms(model), tuning_));
     return control::ExpectOperation(mpc, plant, conditions_);
   }
   absl::StatusOr<double> MonthOf(const ProcessModel& model,

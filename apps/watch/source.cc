@@ -14,6 +14,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
+#include "mle/data/linearise.h"
 #include "mle/data/tag_file.h"
 #include "mle/database/record_sources.h"
 
@@ -61,14 +62,20 @@ absl::StatusOr<HistorianImport> ImportReadable(
   return ImportHistorian(paths, model, options);
 }
 
-// As dated records, and the times of each file.
+// As dated records, in the variables in which the model is linear, and the
+// times of each file.
 absl::StatusOr<DatedRecords> WithDates(
-    HistorianImport import, double seconds_per_unit,
+    HistorianImport import, const ProcessModel& model, double seconds_per_unit,
     std::map<std::string, std::pair<double, double>>& times) {
   if (!import.report.time_origin.has_value()) {
     return absl::InvalidArgumentError(
         "records: times are numbers without dates; a watch needs dates (such "
         "as 2024-02-29 12:34) to tell days");
+  }
+  for (Record& record : import.records) {
+    if (const absl::Status status = Linearise(model, record); !status.ok()) {
+      return WithPrefix(status, "records: ");
+    }
   }
   const double origin = *import.report.time_origin;
   for (const FileReport& file : import.report.files) {
@@ -150,8 +157,8 @@ absl::Status NewFiles::Import() {
   absl::StatusOr<HistorianImport> import =
       ImportReadable(paths_, model_, options_, faults);
   if (import.ok()) {
-    MLE_ASSIGN_OR_RETURN(
-        result_.data, WithDates(*std::move(import), seconds_per_unit_, times));
+    MLE_ASSIGN_OR_RETURN(result_.data, WithDates(*std::move(import), model_,
+                                                 seconds_per_unit_, times));
   } else if (faults.size() != count) {
     return import.status();
   }
@@ -185,8 +192,8 @@ absl::Status NewFiles::AddAround() {
   MLE_ASSIGN_OR_RETURN(HistorianImport together,
                        ImportHistorian(all, model_, options_));
   std::map<std::string, std::pair<double, double>> times;
-  MLE_ASSIGN_OR_RETURN(
-      result_.data, WithDates(std::move(together), seconds_per_unit_, times));
+  MLE_ASSIGN_OR_RETURN(result_.data, WithDates(std::move(together), model_,
+                                               seconds_per_unit_, times));
   return absl::OkStatus();
 }
 
@@ -228,8 +235,8 @@ absl::StatusOr<std::optional<NewRecords>> ReadNewRows(
     return WithPrefix(import.status(), "records: ");
   }
   std::map<std::string, std::pair<double, double>> times;
-  MLE_ASSIGN_OR_RETURN(result.data,
-                       WithDates(*std::move(import), seconds_per_unit, times));
+  MLE_ASSIGN_OR_RETURN(result.data, WithDates(*std::move(import), model,
+                                              seconds_per_unit, times));
   for (const auto& [name, time] : times) result.last = time.second;
   return result;
 }

@@ -89,6 +89,11 @@ absl::StatusOr<ModelTrial> ModelTrial::Create(const ProcessModel& in_use,
   MLE_RETURN_IF_ERROR(proposed.Validate());
   MLE_RETURN_IF_ERROR(CheckSameChannels(in_use, "the model in use", proposed,
                                         "the proposed model"));
+  if (HasTransforms(in_use) || HasTransforms(proposed)) {
+    return absl::InvalidArgumentError(
+        "trial: it compares linear models, and one of these has a transform; "
+        "correct records of the next weeks instead");
+  }
   const double settling =
       std::max(SettlingTime(in_use), SettlingTime(proposed));
   if (!(sample_time > 0.0) || !(settling / sample_time <= kMostRows)) {

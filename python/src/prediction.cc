@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
+#include "mle/data/linearise.h"
 #include "mle/data/sampling.h"
 #include "mle/maintain/channel_scales.h"
 #include "mle/maintain/residual_diagnostics.h"
@@ -85,6 +86,10 @@ std::vector<KnownPart> PlacesIn(const std::vector<Record>& records,
 absl::StatusOr<Predictions> Prepare(ProcessModel model,
                                     std::vector<Record> records) {
   MLE_RETURN_IF_ERROR(CheckRecords(records, model));
+  // Models with transforms are linear in other variables than the records'.
+  for (Record& record : records) {
+    MLE_RETURN_IF_ERROR(Linearise(model, record));
+  }
   MLE_ASSIGN_OR_RETURN(const InputResponse response,
                        ResponseOf(model, records.front().sample_time));
   Predictions predictions;
@@ -119,6 +124,11 @@ absl::StatusOr<std::vector<Eigen::MatrixXd>> PredictRecords(
     predicted[place.record].middleCols(place.range.first,
                                        place.range.samples()) =
         made.parts[k].outputs - made.predictor(made.parts[k], horizon);
+  }
+  for (Eigen::MatrixXd& outputs : predicted) {
+    Record engineering{.outputs = std::move(outputs)};
+    Delinearise(model, engineering);
+    outputs = std::move(engineering.outputs);
   }
   return predicted;
 }

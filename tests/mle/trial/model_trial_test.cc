@@ -51,6 +51,19 @@ TEST(ModelTrialTest, WrongCorrectionsAreDropped) {
   }
 }
 
+// Nobody is told that a bent model is no better than a linear one.
+TEST(ModelTrialTest, ModelsWithTransformsAreNotTried) {
+  ProcessModel bent = Tank(1.6);
+  Transform root;
+  root.kind = TransformKind::kPower;
+  root.exponent = 0.5;
+  root.at = 4.0;
+  bent.set_output_transform(0, root);
+  const auto trial = ModelTrial::Create(Tank(2.0), bent, 1.0, {});
+  EXPECT_THAT(std::string(trial.status().message()),
+              ::testing::HasSubstr("one of these has a transform"));
+}
+
 // Half of the true change predicts better, and leaves a quarter of what set
 // points drive: it is not adopted, and the evidence for it grows.
 TEST(ModelTrialTest, ModelThatLeavesMuchIsNotAdopted) {
