@@ -220,10 +220,11 @@ VectorXd ExplainedOutput::Residual(
   return measured_ - z;
 }
 
-// y = a + h(z + δ), δ the mean by which what is measured of a record is above z
-// once it is straightened: where a record begins one sample's noise counts
-// less.
+// y = h(z + δ) − h(δ), δ the mean by which what is measured of a record is
+// above z once it is straightened: one sample's noise where a record begins
+// counts less, and nothing is added where there is no curve.
 void ExplainedOutput::BendOutput(const Explanation& curve, VectorXd& z) const {
+  if (curve.value == 0.0) return;
   const CurveShape shape = mle::ShapeOf(curve);
   const double c = CurvatureOf(curve);
   std::vector<double> above(records_->size(), 0.0);
@@ -237,9 +238,9 @@ void ExplainedOutput::BendOutput(const Explanation& curve, VectorXd& z) const {
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const int r = rows_[i].record;
+    const double at = above[r] / std::max(counts[r], 1);
     double& value = z[static_cast<Index>(i)];
-    value = first_level_ +
-            Bend(shape, c, value + above[r] / std::max(counts[r], 1));
+    value = Bend(shape, c, value + at) - Bend(shape, c, at);
   }
 }
 
