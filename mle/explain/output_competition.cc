@@ -332,8 +332,9 @@ void OutputCompetition::FindTies() {
         curved || all[i].kind == ExplanationKind::kChangeDuringRecord;
     if (!IsAgeing(all[i].kind) && !changed) continue;
     MatrixXd directions;
-    for (const Fit& fit :
+    for (const Fit& look :
          Candidates(Without(all, i), CostOf(chance_), directions)) {
+      const Fit fit = InBestShape(look, unit_);
       const Explanation& rival = fit.explanations.back();
       if (rival.SameAs(all[i]) || (curved && IsCurve(rival.kind))) continue;
       const bool elements = changed || IsAgeing(rival.kind);
@@ -343,8 +344,12 @@ void OutputCompetition::FindTies() {
           rival.index == all[i].index) {
         continue;
       }
-      const double near = elements ? kElements * unit_ : kTie * CostOf(chance_);
-      if (fit.score - score < near) ties_.push_back({all[i], rival});
+      const double near = elements              ? kElements * unit_
+                          : IsCurve(rival.kind) ? unit_
+                                                : kTie * CostOf(chance_);
+      if (Score(fit.explanations, fit.energy, CostOf(chance_)) - score < near) {
+        ties_.push_back({all[i], rival});
+      }
     }
   }
 }
