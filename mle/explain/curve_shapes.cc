@@ -37,7 +37,7 @@ void ChooseShape(const std::vector<OutputCompetition*>& outputs,
         if (one.SameAs(curve)) alternatives.push_back(one);
       }
     }
-    outputs[i]->TakeShape(fits[best][i], curve, std::move(alternatives));
+    outputs[i]->TakeShape(fits[best][i], curve, alternatives);
   }
 }
 

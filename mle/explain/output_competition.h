@@ -53,7 +53,7 @@ class OutputCompetition {
                              const Explanation& curve, int part) const;
   // They in place of what was taken.
   void TakeShape(const ExplanationFit& fit, const Explanation& curve,
-                 std::vector<Explanation> alternatives);
+                 const std::vector<Explanation>& alternatives);
 
   // Standard errors, what is left, hold-out validation, ties.
   OutputExplanation Report() const;

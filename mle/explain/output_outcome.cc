@@ -94,15 +94,15 @@ OutputCompetition::Fit OutputCompetition::InBestShape(const Fit& fit,
   return best.explanations.empty() ? fit : best;
 }
 
-void OutputCompetition::TakeShape(const ExplanationFit& fit,
-                                  const Explanation& curve,
-                                  std::vector<Explanation> alternatives) {
+void OutputCompetition::TakeShape(
+    const ExplanationFit& fit, const Explanation& curve,
+    const std::vector<Explanation>& alternatives) {
   bool changed = false;
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     Explanation& taken = taken_[i].explanation;
     changed = changed || taken.part != fit.explanations[i].part;
     taken = fit.explanations[i];
-    if (taken.SameAs(curve)) taken_[i].alternatives = std::move(alternatives);
+    if (taken.SameAs(curve)) taken_[i].alternatives = alternatives;
   }
   energy_ = fit.energy;
   if (changed) HoldOut();

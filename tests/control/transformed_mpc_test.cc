@@ -66,7 +66,7 @@ double Follow(Mpc& mpc, double set_point, VectorXd* inputs = nullptr) {
   return sum;
 }
 
-Mpc MakeMpc(const ProcessModel& model, const MpcOptions& options) {
+Mpc MpcOf(const ProcessModel& model, const MpcOptions& options) {
   auto mpc = Mpc::Create(model, options);
   EXPECT_TRUE(mpc.ok()) << mpc.status();
   return *std::move(mpc);
@@ -77,12 +77,12 @@ Mpc MakeMpc(const ProcessModel& model, const MpcOptions& options) {
 // not swings.
 TEST(TransformedMpcTest, FollowsWhereverItsGainIsAnother) {
   for (const double set_point : {-6.0, 60.0}) {
-    Mpc knows = MakeMpc(Valve(true), Tuning());
+    Mpc knows = MpcOf(Valve(true), Tuning());
     // The dead time of two periods and little more.
     EXPECT_LT(Follow(knows, set_point), 6.0 * set_point * set_point);
   }
-  Mpc knows = MakeMpc(Valve(true), Tuning());
-  Mpc linear = MakeMpc(Valve(false), Tuning());
+  Mpc knows = MpcOf(Valve(true), Tuning());
+  Mpc linear = MpcOf(Valve(false), Tuning());
   linear.Restart(VectorXd::Constant(1, 30.0), VectorXd::Zero(1));
   EXPECT_LT(Follow(knows, 60.0), 0.8 * Follow(linear, 60.0));
 }
@@ -93,7 +93,7 @@ TEST(TransformedMpcTest, LimitsAreOfEngineeringValues) {
   options.limits.min_input = VectorXd::Constant(1, 10.0);
   options.limits.max_input = VectorXd::Constant(1, 60.0);
   options.limits.max_move = VectorXd::Constant(1, 4.0);
-  Mpc mpc = MakeMpc(Valve(true), options);
+  Mpc mpc = MpcOf(Valve(true), options);
   VectorXd inputs;
   Follow(mpc, 500.0, &inputs);
   EXPECT_NEAR(inputs.maxCoeff(), 60.0, 1e-6);
@@ -131,8 +131,8 @@ TEST(TransformedMpcTest, AValueWithoutATransformIsMissing) {
   logarithm.kind = TransformKind::kLogarithm;
   logarithm.at = 2.0;
   model.set_output_transform(0, logarithm);
-  Mpc one = MakeMpc(model, Tuning());
-  Mpc other = MakeMpc(model, Tuning());
+  Mpc one = MpcOf(model, Tuning());
+  Mpc other = MpcOf(model, Tuning());
   VectorXd next(1);
   VectorXd next_other(1);
   const VectorXd set_point = VectorXd::Constant(1, 2.5);
