@@ -106,8 +106,9 @@ struct OutputExplanation {
   std::optional<TakenExplanation> next;
   // An explanation in place of one that was taken that explains nearly as much,
   // all others estimated again beside it, improbabilities included: changes of
-  // two elements within 5 M, others within a tenth of N. Of a change during the
-  // records any other within 5 M.
+  // two elements within 5 M, others within a tenth of N, curves that explain
+  // half an M more, their improbability aside. Of a change during the records,
+  // and of a curve, any other within 5 M.
   struct Tie {
     Explanation taken;
     Explanation rival;

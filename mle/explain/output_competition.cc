@@ -344,10 +344,12 @@ void OutputCompetition::FindTies() {
           rival.index == all[i].index) {
         continue;
       }
-      const double near = elements              ? kElements * unit_
-                          : IsCurve(rival.kind) ? unit_
-                                                : kTie * CostOf(chance_);
-      if (Score(fit.explanations, fit.energy, CostOf(chance_)) - score < near) {
+      const double near = elements ? kElements * unit_ : kTie * CostOf(chance_);
+      // A curve that explains more, its improbability aside, is one, too.
+      const bool more =
+          IsCurve(rival.kind) && fit.energy < energy_ - kBetter * unit_;
+      if (more ||
+          Score(fit.explanations, fit.energy, CostOf(chance_)) - score < near) {
         ties_.push_back({all[i], rival});
       }
     }
