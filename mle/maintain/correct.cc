@@ -94,8 +94,13 @@ absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
   }
   if (result.decision == Decision::kNoChange) result.reasons.clear();
   result.decision = Decision::kCorrected;
+  // One reason for each channel, whatever the rounds in which it was found.
+  result.curves = Upon(curves, std::move(result.curves));
+  std::erase_if(result.reasons, [](const Message& reason) {
+    return reason.code == MessageCode::kCurved;
+  });
   std::vector<Message> reasons;
-  for (const FoundCurve& curve : curves) {
+  for (const FoundCurve& curve : result.curves) {
     reasons.push_back({MessageCode::kCurved,
                        curve.is_output
                            ? candidates.initial.outputs()[curve.channel].name
@@ -106,7 +111,6 @@ absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
                        {}});
   }
   result.reasons.insert(result.reasons.begin(), reasons.begin(), reasons.end());
-  result.curves = Upon(curves, std::move(result.curves));
   // What is explained is told whole: the curves, and what was left beside them.
   for (std::size_t i = 0; i < result.explanations.size(); ++i) {
     std::vector<TakenExplanation> all =
