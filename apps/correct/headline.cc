@@ -185,8 +185,14 @@ std::string Headline(const Result& result) {
   }
   const std::vector<ElementChange> changes = ElementChanges(result);
   if (!result.curves.empty()) {
-    const std::string curve =
-        DescribeCurve(result.initial, result.curves.front());
+    std::string curve = DescribeCurve(result.initial, result.curves.front());
+    for (std::size_t k = 1; k < result.curves.size(); ++k) {
+      const FoundCurve& other = result.curves[k];
+      absl::StrAppend(&curve, k == 1 ? "; curved too: " : ", ",
+                      other.is_output
+                          ? result.initial.outputs()[other.channel].name
+                          : result.initial.inputs()[other.channel].name);
+    }
     return changes.empty() ? curve
                            : absl::StrCat(curve, "; also: ", changes[0].text);
   }
