@@ -18,9 +18,6 @@ namespace {
 // parameter that it saves in place of several of its elements.
 constexpr double kParameter = 3.0;
 
-// An output contradicts a curve of an input where its E grows by so many M.
-constexpr double kContradicts = 3.0;
-
 // Whether an explanation of input j, of this kind, takes the place of `one`: of
 // another explanation of the input, or of one of its elements that it looks
 // like.
@@ -74,19 +71,6 @@ void MeanOf(const FoundCurve& one, FoundCurve& other) {
       (own * other.curvature + more * one.curvature) / (own + more);
   other.standard_error = 1.0 / std::sqrt(own + more);
   other.evidence += one.evidence;
-}
-
-// Of an output that is bent twice, by `last` behind `first`: what is measured
-// is straightened by `last` first.
-FoundCurve Behind(FoundCurve first, FoundCurve last) {
-  const Transform straight = last.AsTransform();
-  first.low = straight.Linear(first.low);
-  first.high = straight.Linear(first.high);
-  last.evidence += first.evidence;
-  last.upon = std::move(first.upon);
-  first.upon.clear();
-  last.upon.insert(last.upon.begin(), std::move(first));
-  return last;
 }
 
 using Competitions = std::vector<std::unique_ptr<OutputCompetition>>;
@@ -292,8 +276,6 @@ std::vector<FoundCurve> Competition::Curves() const {
           });
       if (same == curves.end()) {
         curves.push_back(std::move(found));
-      } else if (found.is_output) {
-        *same = Behind(std::move(*same), std::move(found));
       } else {
         MeanOf(found, *same);
       }
@@ -311,19 +293,16 @@ bool Competition::IsContradicted(const FoundCurve& curve) const {
     if (competition == nullptr) continue;
     const ExplainedOutput& output = competition->output();
     std::vector<Explanation> explanations = competition->Explanations();
-    const Explanation curved = {ExplanationKind::kCurvedInput, curve.channel};
-    const bool shows =
-        std::any_of(explanations.begin(), explanations.end(),
-                    [&](const Explanation& one) { return one.SameAs(curved); });
     const std::vector<int>& inputs = output.inputs();
-    if (shows || std::find(inputs.begin(), inputs.end(), curve.channel) ==
-                     inputs.end()) {
+    if (Contains(explanations, output.InputCurve(curve)) ||
+        std::find(inputs.begin(), inputs.end(), curve.channel) ==
+            inputs.end()) {
       continue;
     }
     const double before = competition->Energy(explanations);
     explanations.push_back(output.InputCurve(curve));
     if (competition->Energy(explanations) >
-        before + kContradicts * competition->unit()) {
+        before + kAsMuch * competition->unit()) {
       return true;
     }
   }

@@ -8,9 +8,6 @@
 namespace mle {
 namespace {
 
-// Shapes that leave so many M more explain as much.
-constexpr double kAsMuch = 3.0;
-
 void ChooseShape(const std::vector<OutputCompetition*>& outputs,
                  const Explanation& curve) {
   const std::vector<int> shapes = ShapesOf(curve.kind);
@@ -49,17 +46,11 @@ void ChooseShapes(
   for (const auto& first : outputs) {
     if (first == nullptr || first->together()) continue;
     for (const Explanation& curve : first->Explanations()) {
-      const bool known = std::any_of(
-          done.begin(), done.end(),
-          [&](const Explanation& one) { return one.SameAs(curve); });
-      if (!IsCurve(curve.kind) || known) continue;
+      if (!IsCurve(curve.kind) || Contains(done, curve)) continue;
       std::vector<OutputCompetition*> shown;
       for (const auto& output : outputs) {
-        if (output == nullptr || output->together()) continue;
-        const std::vector<Explanation> all = output->Explanations();
-        if (std::any_of(all.begin(), all.end(), [&](const Explanation& one) {
-              return one.SameAs(curve);
-            })) {
+        if (output != nullptr && !output->together() &&
+            Contains(output->Explanations(), curve)) {
           shown.push_back(output.get());
         }
       }

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mle/base/double_limits.h"
+#include "mle/nonlinear/distributions.h"
 
 namespace mle {
 namespace {
-
-// Points of a curve that no transform of its own has; between them it is
-// straight.
-constexpr int kPoints = 65;
-// Beyond this, in x c, curves are straight to rounding.
-constexpr double kStraight = 1e-9;
 
 // Whether an inverse has the same shape, and the other sign of c.
 bool IsOdd(CurveShape shape) {
@@ -47,20 +41,10 @@ double BendOf(CurveShape shape) {
   }
 }
 
-Transform Points(CurveShape shape, double c, const FoundCurve& curve) {
-  Transform transform;
-  transform.kind = TransformKind::kPiecewiseLinear;
-  for (int i = 0; i < kPoints; ++i) {
-    const double x = curve.low + (curve.high - curve.low) * i / (kPoints - 1.0);
-    transform.points.emplace_back(x, curve.at + Bend(shape, c, x - curve.at));
-  }
-  return transform;
-}
-
 }  // namespace
 
 double ShapeCost(int part) {
-  return IsOdd(static_cast<CurveShape>(part)) ? 3.0 : 0.0;
+  return IsOdd(static_cast<CurveShape>(part)) ? kAsMuch : 0.0;
 }
 
 CurveShape ShapeOf(const Explanation& explanation) {
@@ -94,90 +78,52 @@ std::vector<Explanation> InShape(Explanation curve, int part) {
   return {curve};
 }
 
-double Bend(CurveShape shape, double c, double x) {
-  const double cx = c * x;
-  if (std::abs(cx) < kStraight) return x;
+Transform CurveTransform(CurveShape shape, double c) {
+  Transform curve;
+  if (c == 0.0) return curve;
   switch (shape) {
     case CurveShape::kExponential:
-      return std::expm1(cx) / c;
+      curve.kind = TransformKind::kExponential;
+      curve.curvature = c;
+      break;
     case CurveShape::kLogarithm:
-      return std::log1p(cx) / c;
+      curve.kind = TransformKind::kLogarithm;
+      curve.zero = -1.0 / c;
+      break;
     case CurveShape::kQuadratic:
-      return cx > -1.0 ? x * (1.0 + 0.5 * cx) : kNaN;
+      curve.kind = TransformKind::kPower;
+      curve.exponent = 2.0;
+      curve.zero = -1.0 / c;
+      break;
     case CurveShape::kRoot:
-      return 2.0 * x / (1.0 + std::sqrt(1.0 + 2.0 * cx));
+      curve.kind = TransformKind::kPower;
+      curve.exponent = 0.5;
+      curve.zero = -0.5 / c;
+      break;
     case CurveShape::kSinh:
-      return (c > 0.0 ? std::sinh(cx) : std::asinh(cx)) / c;
     case CurveShape::kTanh:
-      return (c > 0.0 ? std::atanh(cx) : std::tanh(cx)) / c;
+      curve.kind = shape == CurveShape::kSinh ? TransformKind::kSinh
+                                              : TransformKind::kTanh;
+      curve.curvature = c;
+      break;
   }
-  return kNaN;
+  return curve;
 }
 
-double Straighten(CurveShape shape, double c, double y) {
-  return Bend(InverseShape(shape), IsOdd(shape) ? -c : c, y);
-}
-
-double SlopeOf(CurveShape shape, double c, double x) {
-  const double cx = c * x;
-  switch (shape) {
-    case CurveShape::kExponential:
-      return std::exp(cx);
-    case CurveShape::kLogarithm:
-      return 1.0 / (1.0 + cx);
-    case CurveShape::kQuadratic:
-      return 1.0 + cx;
-    case CurveShape::kRoot:
-      return 1.0 / std::sqrt(1.0 + 2.0 * cx);
-    case CurveShape::kSinh:
-      return c > 0.0 ? std::cosh(cx) : 1.0 / std::sqrt(1.0 + cx * cx);
-    case CurveShape::kTanh: {
-      const double tanh = std::tanh(cx);
-      return c > 0.0 ? 1.0 / (1.0 - cx * cx) : 1.0 - tanh * tanh;
-    }
-  }
-  return kNaN;
-}
-
-Transform FoundCurve::AsTransform() const {
+Transform FoundCurve::TransformIn(CurveShape other, double c) const {
   // An output's transform straightens what its curve bends.
-  const CurveShape own = is_output ? InverseShape(shape) : shape;
-  const double own_c = is_output && IsOdd(shape) ? -curvature : curvature;
-  Transform transform;
+  Transform transform =
+      is_output ? CurveTransform(InverseShape(other), IsOdd(other) ? -c : c)
+                : CurveTransform(other, c);
   transform.at = at;
-  switch (own) {
-    case CurveShape::kExponential:
-      transform.kind = TransformKind::kExponential;
-      transform.curvature = own_c;
-      break;
-    case CurveShape::kLogarithm:
-      transform.kind = TransformKind::kLogarithm;
-      transform.zero = at - 1.0 / own_c;
-      break;
-    case CurveShape::kQuadratic:
-      transform.kind = TransformKind::kPower;
-      transform.exponent = 2.0;
-      transform.zero = at - 1.0 / own_c;
-      break;
-    case CurveShape::kRoot:
-      transform.kind = TransformKind::kPower;
-      transform.exponent = 0.5;
-      transform.zero = at - 0.5 / own_c;
-      break;
-    case CurveShape::kSinh:
-    case CurveShape::kTanh:
-      transform = Points(own, own_c, *this);
-      transform.at = at;
-      break;
-  }
+  transform.zero += at;
   return transform;
 }
 
 FoundCurve::Gain FoundCurve::GainAt(double value) const {
-  constexpr double kNormal = 1.959963984540054;  // of 95 %
-  const auto gain_of = [&](CurveShape its_shape, double c) {
-    const double x = value - at;
-    return SlopeOf(its_shape, c, is_output ? Straighten(its_shape, c, x) : x);
+  const auto gain_of = [&](CurveShape other, double c) {
+    const double slope = TransformIn(other, c).Slope(value);
+    return is_output ? 1.0 / slope : slope;
   };
   Gain gain;
   gain.value = gain_of(shape, curvature);
@@ -188,8 +134,8 @@ FoundCurve::Gain FoundCurve::GainAt(double value) const {
   const double relative = standard_error / std::abs(curvature);
   for (const Alternative& one : all) {
     for (const double sign : {-1.0, 1.0}) {
-      const double other =
-          gain_of(one.shape, one.curvature * (1.0 + sign * kNormal * relative));
+      const double other = gain_of(
+          one.shape, one.curvature * (1.0 + sign * kNormalQuantile * relative));
       gain.lower = std::min(gain.lower, other);
       gain.upper = std::max(gain.upper, other);
     }

@@ -39,17 +39,15 @@ std::vector<int> ShapesOf(ExplanationKind kind);
 // (third) order, or, of the other family, bent either way.
 std::vector<Explanation> InShape(Explanation curve, int part);
 
-// What a shape has to leave less than others, in M: an S 3, since records that
-// bend to one side tell little of it.
+// M: what leaves no more than this beyond the best explains as much.
+inline constexpr double kAsMuch = 3.0;
+
+// What a shape has to leave less than others, in M: an S kAsMuch, since records
+// that bend to one side tell little of it.
 double ShapeCost(int part);
 
-// h(x); NaN where there is none, and where a quadratic no longer rises.
-double Bend(CurveShape shape, double c, double x);
-// x of h; NaN where there is none.
-double Straighten(CurveShape shape, double c, double y);
-
-// dh/dx.
-double SlopeOf(CurveShape shape, double c, double x);
+// h as a transform that is 0 at 0: z of x is h(x). None for c = 0.
+Transform CurveTransform(CurveShape shape, double c);
 
 // A curve that was found: of an output y = a + h(z − a), of an input v =
 // a + h(u − a), z and v what the model's elements are linear between.
@@ -73,7 +71,7 @@ struct FoundCurve {
   std::vector<FoundCurve> upon = {};
 
   // The transform of the channel, without those upon it.
-  Transform AsTransform() const;
+  Transform AsTransform() const { return TransformIn(shape, curvature); }
   // The gain at a value (of an input that of its effects, of an output all of
   // its gains) relative to that at a, with its 95 % interval, in which those of
   // the alternatives are.
@@ -83,6 +81,10 @@ struct FoundCurve {
     double upper = 1.0;
   };
   Gain GainAt(double value) const;
+
+ private:
+  // The transform with another shape and c.
+  Transform TransformIn(CurveShape other, double c) const;
 };
 
 }  // namespace mle

@@ -1,5 +1,5 @@
-// The responses of an explained output's elements to the inputs as explanations
-// change them, and what is left of the output.
+// How the elements of an explained output respond to the inputs that
+// explanations change, and what they leave of the output.
 
 #include <algorithm>
 #include <cmath>
@@ -63,11 +63,9 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
     // One curve for all records, from where the first began.
     const double begin = column[0] - first_inputs_[input];
     const Explanation curve = {Kind::kCurvedInput, input, key.curve, key.shape};
-    const double c = CurvatureOf(curve);
-    const double level = Bend(mle::ShapeOf(curve), c, begin);
-    for (double& x : v) {
-      x = Bend(mle::ShapeOf(curve), c, begin + x) - level;
-    }
+    const Transform h = CurveTransform(mle::ShapeOf(curve), CurvatureOf(curve));
+    const double level = h.Linear(begin);
+    for (double& x : v) x = h.Linear(begin + x) - level;
   }
   if (key.load != 0.0) {
     v += key.load * range * LoadOf(key.load_part, record);
@@ -225,13 +223,12 @@ VectorXd ExplainedOutput::Residual(
 // counts less, and nothing is added where there is no curve.
 void ExplainedOutput::BendOutput(const Explanation& curve, VectorXd& z) const {
   if (curve.value == 0.0) return;
-  const CurveShape shape = mle::ShapeOf(curve);
-  const double c = CurvatureOf(curve);
+  const Transform h = CurveTransform(mle::ShapeOf(curve), CurvatureOf(curve));
   std::vector<double> above(records_->size(), 0.0);
   std::vector<int> counts(records_->size(), 0);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const auto k = static_cast<Index>(i);
-    const double straight = Straighten(shape, c, measured_[k] - first_level_);
+    const double straight = h.Engineering(measured_[k] - first_level_);
     if (!std::isfinite(straight)) continue;
     above[rows_[i].record] += straight - z[k];
     ++counts[rows_[i].record];
@@ -240,7 +237,7 @@ void ExplainedOutput::BendOutput(const Explanation& curve, VectorXd& z) const {
     const int r = rows_[i].record;
     const double at = above[r] / std::max(counts[r], 1);
     double& value = z[static_cast<Index>(i)];
-    value = Bend(shape, c, value + at) - Bend(shape, c, at);
+    value = h.Linear(value + at) - h.Linear(at);
   }
 }
 

@@ -221,6 +221,12 @@ double ShareOfChange(int part, double at) {
   return quarter >= part - 4.0 ? 1.0 : 0.0;
 }
 
+bool Contains(const std::vector<Explanation>& explanations,
+              const Explanation& one) {
+  return std::any_of(explanations.begin(), explanations.end(),
+                     [&](const Explanation& e) { return e.SameAs(one); });
+}
+
 double ValueOf(const std::vector<Explanation>& explanations,
                ExplanationKind kind, int index, bool* found, int* part) {
   for (const Explanation& explanation : explanations) {

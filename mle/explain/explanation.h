@@ -99,6 +99,10 @@ struct Explanation {
   }
 };
 
+// Whether one of them is of the same kind and index.
+bool Contains(const std::vector<Explanation>& explanations,
+              const Explanation& one);
+
 // θ of an explanation of this kind and index, 0 where there is none; whether it
 // was `found`, and its `part`.
 double ValueOf(const std::vector<Explanation>& explanations,

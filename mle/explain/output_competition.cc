@@ -57,12 +57,6 @@ bool HasNothing(ExplanationKind kind) {
          kind != ExplanationKind::kReversed;
 }
 
-bool Contains(const std::vector<Explanation>& explanations,
-              const Explanation& one) {
-  return std::any_of(explanations.begin(), explanations.end(),
-                     [&](const Explanation& e) { return e.SameAs(one); });
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<OutputCompetition>> OutputCompetition::Create(
@@ -334,9 +328,10 @@ void OutputCompetition::FindTies() {
     MatrixXd directions;
     for (const Fit& look :
          Candidates(Without(all, i), CostOf(chance_), directions)) {
+      const Explanation& found = look.explanations.back();
+      if (found.SameAs(all[i]) || (curved && IsCurve(found.kind))) continue;
       const Fit fit = InBestShape(look, unit_);
       const Explanation& rival = fit.explanations.back();
-      if (rival.SameAs(all[i]) || (curved && IsCurve(rival.kind))) continue;
       const bool elements = changed || IsAgeing(rival.kind);
       // Explanations of one element, or its input, do much the same; but a
       // curve is no change.

@@ -16,9 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kPrior = 0.03;                // ε
-constexpr double kWorth = 0.02;                // of the sum, for a parameter
-constexpr double kNormal = 1.959963984540054;  // of 95 %
+constexpr double kPrior = 0.03;  // ε
+constexpr double kWorth = 0.02;  // of the sum, for a parameter
 
 // The covariance of an estimate by those without one of n parts each
 // (Quenouille, Biometrika 43, 1956), larger by what Student's t of n − 1
@@ -165,7 +164,7 @@ SeveralStepsFit SeveralSteps::Best(bool second_lags, double most) const {
     for (std::size_t i = 0; i < fit.explanations.size(); ++i) {
       const auto k = static_cast<Index>(i);
       if (std::abs(fit.explanations[i].value) >
-          kNormal * std::sqrt(fit.covariance(k, k))) {
+          kNormalQuantile * std::sqrt(fit.covariance(k, k))) {
         significant.push_back(fit.explanations[i]);
       }
     }

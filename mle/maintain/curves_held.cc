@@ -31,12 +31,11 @@ bool Shows(const OutputExplanation& output, const FoundCurve& curve,
                      });
 }
 
-// Whether another explanation than a curve does as well as one that was taken.
+// Whether another explanation does as well as a curve that was taken.
 bool IsContested(const OutputExplanation& output) {
   return std::any_of(output.ties.begin(), output.ties.end(),
                      [](const OutputExplanation::Tie& tie) {
-                       return IsCurve(tie.taken.kind) &&
-                              !IsCurve(tie.rival.kind);
+                       return IsCurve(tie.taken.kind);
                      });
 }
 
@@ -61,8 +60,7 @@ void Scale(double factor, TransferFunction& element) {
                              element.delay());
 }
 
-// The curve alone.
-void AddOne(const FoundCurve& curve, ProcessModel& model) {
+void AddCurve(const FoundCurve& curve, ProcessModel& model) {
   const Transform own = curve.AsTransform();
   const Transform given = curve.is_output
                               ? model.outputs()[curve.channel].transform
@@ -87,11 +85,6 @@ void AddOne(const FoundCurve& curve, ProcessModel& model) {
     if (!element.IsZero() && slope != 1.0) Scale(slope, element);
   }
   model.set_input_transform(curve.channel, std::move(both));
-}
-
-void AddCurve(const FoundCurve& curve, ProcessModel& model) {
-  AddOne(curve, model);
-  for (const FoundCurve& other : curve.upon) AddOne(other, model);
 }
 
 absl::Status Change(const ProcessModel& from, const ProcessModel& to,

@@ -35,6 +35,14 @@ double ZeroOf(const Transform& transform) {
                                                         : transform.zero;
 }
 
+// The functions of the S shapes, for c > 0 and below.
+double Sinh(double c, double cx) {
+  return c > 0.0 ? std::sinh(cx) : std::asinh(cx);
+}
+double Tanh(double c, double cx) {
+  return c > 0.0 ? std::atanh(cx) : std::tanh(cx);
+}
+
 // The segment that holds `value` (of x: first, of f: second), the outer ones
 // beyond the ends; at a knot the one to the right.
 template <double std::pair<double, double>::*kField>
@@ -113,6 +121,8 @@ absl::Status Transform::Validate() const {
   if (!std::isfinite(at)) return InvalidArgument("at = ", at, " is not finite");
   switch (kind) {
     case TransformKind::kExponential:
+    case TransformKind::kSinh:
+    case TransformKind::kTanh:
       if (!std::isfinite(curvature) || curvature == 0.0) {
         return InvalidArgument("curvature = ", curvature,
                                ": it must be finite and not 0");
@@ -154,6 +164,9 @@ bool Transform::Holds(double x) const {
     case TransformKind::kPower:
     case TransformKind::kQuickOpening:
       return (x - ZeroOf(*this)) / (at - ZeroOf(*this)) > 0.0;
+    case TransformKind::kTanh:
+      return curvature < 0.0 ? !std::isnan(x)
+                             : std::abs(curvature * (x - at)) < 1.0;
     default:
       return !std::isnan(x);
   }
@@ -171,15 +184,19 @@ double Transform::Linear(double x) const {
     }
     case TransformKind::kLogarithm: {
       const double distance = at - zero;
-      return at + distance * std::log((x - zero) / distance);
+      return at + distance * std::log1p((x - at) / distance);
     }
     case TransformKind::kPower:
     case TransformKind::kQuickOpening: {
       const double distance = at - ZeroOf(*this);
       const double n = ExponentOf(*this);
-      return at + distance / n *
-                      std::expm1(n * std::log((x - ZeroOf(*this)) / distance));
+      return at +
+             distance / n * std::expm1(n * std::log1p((x - at) / distance));
     }
+    case TransformKind::kSinh:
+      return at + Sinh(curvature, curvature * (x - at)) / curvature;
+    case TransformKind::kTanh:
+      return at + Tanh(curvature, curvature * (x - at)) / curvature;
     case TransformKind::kPiecewiseLinear:
       return at + (Interpolated(points, x) - Interpolated(points, at)) /
                       SlopeAt(points, at);
@@ -198,15 +215,20 @@ double Transform::Engineering(double z) const {
     }
     case TransformKind::kLogarithm: {
       const double distance = at - zero;
-      return zero + distance * std::exp((z - at) / distance);
+      return at + distance * std::expm1((z - at) / distance);
     }
     case TransformKind::kPower:
     case TransformKind::kQuickOpening: {
       const double distance = at - ZeroOf(*this);
       const double n = ExponentOf(*this);
-      return ZeroOf(*this) +
-             distance * std::exp(std::log1p(n * (z - at) / distance) / n);
+      return at +
+             distance * std::expm1(std::log1p(n * (z - at) / distance) / n);
     }
+    // Their inverses have the other sign of c.
+    case TransformKind::kSinh:
+      return at + Sinh(-curvature, curvature * (z - at)) / curvature;
+    case TransformKind::kTanh:
+      return at + Tanh(-curvature, curvature * (z - at)) / curvature;
     case TransformKind::kPiecewiseLinear: {
       const double f =
           Interpolated(points, at) + (z - at) * SlopeAt(points, at);
@@ -232,6 +254,15 @@ double Transform::Slope(double x) const {
     case TransformKind::kQuickOpening:
       return std::pow((x - ZeroOf(*this)) / (at - ZeroOf(*this)),
                       ExponentOf(*this) - 1.0);
+    case TransformKind::kSinh: {
+      const double cx = curvature * (x - at);
+      return curvature > 0.0 ? std::cosh(cx) : 1.0 / std::sqrt(1.0 + cx * cx);
+    }
+    case TransformKind::kTanh: {
+      const double cx = curvature * (x - at);
+      const double tanh = std::tanh(cx);
+      return curvature > 0.0 ? 1.0 / (1.0 - cx * cx) : 1.0 - tanh * tanh;
+    }
     case TransformKind::kPiecewiseLinear:
       return SlopeAt(points, x) / SlopeAt(points, at);
   }
@@ -256,6 +287,10 @@ std::string Transform::Description() const {
                  : absl::StrFormat("power %.4g from %.4g", exponent, zero);
     case TransformKind::kQuickOpening:
       return absl::StrFormat("quick opening from %.4g", low);
+    case TransformKind::kSinh:
+      return absl::StrFormat("sinh, curvature %.4g", curvature);
+    case TransformKind::kTanh:
+      return absl::StrFormat("tanh, curvature %.4g", curvature);
     case TransformKind::kPiecewiseLinear:
       return absl::StrCat("piecewise linear, ", points.size(), " points");
   }

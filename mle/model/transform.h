@@ -13,6 +13,9 @@
 //   logarithm           ln|x − x₀|, x and a on the same side of x₀
 //   power               |x − x₀|^n, n ≠ 0, x and a on the same side of x₀
 //   quick opening       the same, n = 1/2, x₀ = l: a valve closed at l
+//   sinh                sinh c (x − a), c > 0; arsinh c (x − a), c < 0
+//   tanh                artanh c (x − a), c > 0 and |x − a| < 1/c;
+//                       tanh c (x − a), c < 0
 //   piecewise linear    through points, straight on beyond the first and last
 //
 // Source: Hammerstein and Wiener models: Haber and Unbehauen, Automatica 26,
@@ -36,13 +39,15 @@ enum class TransformKind {
   kLogarithm,
   kPower,
   kQuickOpening,
+  kSinh,
+  kTanh,
   kPiecewiseLinear,
 };
 
 struct Transform {
   TransformKind kind = TransformKind::kNone;
   double at = 0.0;            // a
-  double curvature = 0.0;     // c, of exponentials, in 1/unit
+  double curvature = 0.0;     // c, in 1/unit
   double rangeability = 0.0;  // R
   double low = 0.0;           // l
   double high = 0.0;          // h
@@ -60,7 +65,7 @@ struct Transform {
   double Engineering(double z) const;
   // dz/dx at x > 0; NaN where x has no z.
   double Slope(double x) const;
-  // Whether x has a z: those on a's side of x₀.
+  // Whether x has a z.
   bool Holds(double x) const;
 
   // "equal percentage, rangeability 50", for reports.

@@ -42,6 +42,8 @@ const std::vector<TransformForm>& Forms() {
       {"power",
        TransformKind::kPower,
        {{"exponent", &Transform::exponent}, {"zero", &Transform::zero, false}}},
+      {"sinh", TransformKind::kSinh, {{"curvature", &Transform::curvature}}},
+      {"tanh", TransformKind::kTanh, {{"curvature", &Transform::curvature}}},
       {"piecewise_linear", TransformKind::kPiecewiseLinear, {}}};
   return *forms;
 }
