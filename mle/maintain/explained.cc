@@ -12,6 +12,7 @@
 #include "mle/maintain/explained_text.h"
 #include "mle/maintain/stamps.h"
 #include "mle/model/element_response.h"
+#include "mle/nonlinear/distributions.h"
 
 namespace mle {
 namespace {
@@ -189,7 +190,6 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
 }
 
 void TakeExplained(const Candidates& candidates, int i, Estimate& estimate) {
-  constexpr double kNormal = 1.959963984540054;  // of 95 %
   KeepInitialOutput(i, estimate);
   OutputErrorCorrection& correction = estimate.fit.output_error;
   OutputErrorFit& fit = correction.corrected;
@@ -222,8 +222,8 @@ void TakeExplained(const Candidates& candidates, int i, Estimate& estimate) {
       return ParameterEstimate{.initial = initial,
                                .value = value,
                                .standard_error = error,
-                               .lower = value - kNormal * error,
-                               .upper = value + kNormal * error};
+                               .lower = value - kNormalQuantile * error,
+                               .upper = value + kNormalQuantile * error};
     };
     ElementEstimate& written = fit.elements[i * m + j];
     written.state = ElementState::kFitted;

@@ -32,6 +32,9 @@ double StudentTail(double x, double degrees_of_freedom);
 // [0, 1]: 1.96 for 0.05 and ν = ∞.
 double StudentTwoSidedQuantile(double probability, double degrees_of_freedom);
 
+// The same for 0.05 and ν = ∞: of 95 % intervals.
+inline constexpr double kNormalQuantile = 1.959963984540054;
+
 }  // namespace mle
 
 #endif  // MLE_NONLINEAR_DISTRIBUTIONS_H_
