@@ -1,5 +1,6 @@
 // mle_convert: a model from one form to another, with the error.
 
+#include <algorithm>
 #include <iostream>
 #include <map>
 #include <string>
@@ -102,21 +103,14 @@ absl::Status Complete(Request& request, const ModelFile& file) {
   return InvalidArgument("--", status.message());
 }
 
-// CHANNEL:VALUE,…; the operating points of the other transforms.
-absl::StatusOr<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ReadPoint(
+// CHANNEL:VALUE,… of channels that the model has.
+absl::StatusOr<std::map<std::string, double>> ReadPoint(
     const std::string& text, const ProcessModel& model) {
-  std::pair<Eigen::VectorXd, Eigen::VectorXd> point = {
-      Eigen::VectorXd::Zero(model.num_inputs()),
-      Eigen::VectorXd::Zero(model.num_outputs())};
-  std::map<std::string, double*> values;
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    point.first[j] = model.inputs()[j].transform.at;
-    values[model.inputs()[j].name] = &point.first[j];
+  std::vector<std::string> names = NamesOf(model.inputs());
+  for (std::string& name : NamesOf(model.outputs())) {
+    names.push_back(std::move(name));
   }
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    point.second[i] = model.outputs()[i].transform.at;
-    values[model.outputs()[i].name] = &point.second[i];
-  }
+  std::map<std::string, double> point;
   for (const std::string& part : ParseList(text)) {
     const std::size_t colon = part.rfind(':');
     const std::string name = part.substr(0, colon);
@@ -125,16 +119,13 @@ absl::StatusOr<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ReadPoint(
         !absl::SimpleAtod(part.substr(colon + 1), &value)) {
       return RefuseOption("at", part, "is not of the form CHANNEL:VALUE");
     }
-    const auto found = values.find(name);
-    if (found == values.end()) {
-      std::vector<std::string> names;
-      for (const auto& [one, place] : values) names.push_back(one);
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
       return RefuseOption("at", part,
                           absl::StrCat("there is no channel '", name, "'; ",
                                        DidYouMean(name, names), "choose from ",
                                        absl::StrJoin(names, ", ")));
     }
-    *found->second = value;
+    point[name] = value;
   }
   return point;
 }
@@ -152,8 +143,7 @@ absl::StatusOr<ModelFile> LinearFile(const Request& request, ModelFile file) {
   }
   if (request.at.empty() && !lost) return file;
   MLE_ASSIGN_OR_RETURN(const auto point, ReadPoint(request.at, file.process));
-  absl::StatusOr<ProcessModel> linear =
-      LinearAt(file.process, point.first, point.second);
+  absl::StatusOr<ProcessModel> linear = LinearAt(file.process, point);
   if (!linear.ok()) {
     return RefuseOption("at", request.at,
                         std::string(linear.status().message()));

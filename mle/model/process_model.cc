@@ -65,19 +65,25 @@ absl::Status CheckSameNames(const std::vector<Channel>& a,
   return absl::OkStatus();
 }
 
-// dz/dx of each channel at these values.
+// dz/dx of each channel at its value; 1 where none is given. Values that are
+// used leave `left`.
 template <typename Channel>
 absl::StatusOr<Eigen::VectorXd> SlopesAt(const std::vector<Channel>& channels,
-                                         const Eigen::VectorXd& values) {
-  Eigen::VectorXd slopes(values.size());
+                                         std::map<std::string, double>& left) {
+  Eigen::VectorXd slopes =
+      Eigen::VectorXd::Ones(static_cast<Eigen::Index>(channels.size()));
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    const auto place = static_cast<Eigen::Index>(i);
-    slopes[place] = channels[i].transform.Slope(values[place]);
-    if (!(slopes[place] > 0.0)) {
-      return InvalidArgument(
-          channels[i].name, " = ", values[place], ": its transform (",
-          channels[i].transform.Description(), ") has no value there");
+    const auto value = left.find(channels[i].name);
+    if (value == left.end()) continue;
+    const Transform& transform = channels[i].transform;
+    const double slope = transform.Slope(value->second);
+    if (!(slope > 0.0)) {
+      return InvalidArgument(channels[i].name, " = ", value->second,
+                             ": its transform (", transform.Description(),
+                             ") has no value there");
     }
+    slopes[static_cast<Eigen::Index>(i)] = slope;
+    left.erase(value);
   }
   return slopes;
 }
@@ -190,13 +196,17 @@ ProcessModel WithoutTransforms(ProcessModel model) {
   return model;
 }
 
-absl::StatusOr<ProcessModel> LinearAt(const ProcessModel& model,
-                                      const Eigen::VectorXd& inputs,
-                                      const Eigen::VectorXd& outputs) {
+absl::StatusOr<ProcessModel> LinearAt(
+    const ProcessModel& model, const std::map<std::string, double>& values) {
+  std::map<std::string, double> left = values;
   MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd input_slopes,
-                       SlopesAt(model.inputs(), inputs));
+                       SlopesAt(model.inputs(), left));
   MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd output_slopes,
-                       SlopesAt(model.outputs(), outputs));
+                       SlopesAt(model.outputs(), left));
+  if (!left.empty()) {
+    return InvalidArgument("the model has no channel '", left.begin()->first,
+                           "'");
+  }
   ProcessModel linear = WithoutTransforms(model);
   for (const auto& [i, j] : Pairs(model)) {
     const TransferFunction& g = model.element(i, j);

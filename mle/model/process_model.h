@@ -14,6 +14,7 @@
 #ifndef MLE_MODEL_PROCESS_MODEL_H_
 #define MLE_MODEL_PROCESS_MODEL_H_
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -123,12 +124,12 @@ Eigen::MatrixXd StaticGains(const ProcessModel& model);
 Eigen::MatrixXi IntegrationOrders(const ProcessModel& model);
 // A channel has a transform.
 bool HasTransforms(const ProcessModel& model);
-// The model without them, linear at this operating point: gains times the
-// slopes of inputs over those of outputs. InvalidArgument where a value has no
-// transform; names the channel.
-absl::StatusOr<ProcessModel> LinearAt(const ProcessModel& model,
-                                      const Eigen::VectorXd& inputs,
-                                      const Eigen::VectorXd& outputs);
+// The model without them, linear at an operating point: gains times the slopes
+// of inputs over those of outputs. `values` are of channels by name; the others
+// are where their transform has the slope 1. InvalidArgument for a channel that
+// is not there, and for a value without a transform; names the channel.
+absl::StatusOr<ProcessModel> LinearAt(
+    const ProcessModel& model, const std::map<std::string, double>& values);
 // The same where each transform has the slope 1: elements as they are.
 ProcessModel WithoutTransforms(ProcessModel model);
 // The elements that are not zero.

@@ -3,7 +3,6 @@
 #include "python/src/models.h"
 
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -99,25 +98,7 @@ py::dict TransformsOf(const ProcessModel& model) {
 
 ProcessModel LinearModelAt(const ProcessModel& model,
                            const std::map<std::string, double>& values) {
-  std::set<std::string> left;
-  for (const auto& [name, value] : values) left.insert(name);
-  const auto point = [&](const auto& channels) {
-    Eigen::VectorXd at(static_cast<Eigen::Index>(channels.size()));
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      const auto given = values.find(channels[i].name);
-      at[static_cast<Eigen::Index>(i)] =
-          given == values.end() ? channels[i].transform.at : given->second;
-      left.erase(channels[i].name);
-    }
-    return at;
-  };
-  const Eigen::VectorXd inputs = point(model.inputs());
-  const Eigen::VectorXd outputs = point(model.outputs());
-  if (!left.empty()) {
-    throw py::value_error(
-        absl::StrCat("the model has no channel '", *left.begin(), "'"));
-  }
-  return ValueOrThrow(LinearAt(model, inputs, outputs));
+  return ValueOrThrow(LinearAt(model, values));
 }
 
 }  // namespace
