@@ -13,7 +13,6 @@
 #include "apps/correct/report.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
-#include "mle/data/linearise.h"
 
 namespace mle::correct {
 namespace {
@@ -56,9 +55,20 @@ std::vector<double> Join(
   return joined;
 }
 
-std::vector<double> SetPoints(const Strip& strip, int output) {
-  return Join(strip, [output](const Record& piece) -> Eigen::RowVectorXd {
-    if (piece.set_points.size() > 0) return piece.set_points.row(output);
+// Values of a channel as people know them.
+Eigen::RowVectorXd Engineering(const Transform& transform,
+                               Eigen::RowVectorXd values) {
+  if (transform.IsNone()) return values;
+  for (double& value : values) value = transform.Engineering(value);
+  return values;
+}
+
+std::vector<double> SetPoints(const Strip& strip, int output,
+                              const Transform& transform) {
+  return Join(strip, [&](const Record& piece) -> Eigen::RowVectorXd {
+    if (piece.set_points.size() > 0) {
+      return Engineering(transform, piece.set_points.row(output));
+    }
     return Eigen::RowVectorXd::Constant(piece.samples(), kNaN);
   });
 }
@@ -127,14 +137,6 @@ std::optional<report::DateScale> DateScaleOf(const RecordData& data,
   return dates;
 }
 
-// Values of a channel as people know them.
-Eigen::RowVectorXd Engineering(const Transform& transform,
-                               Eigen::RowVectorXd values) {
-  if (transform.IsNone()) return values;
-  for (double& value : values) value = transform.Engineering(value);
-  return values;
-}
-
 std::string UnitOr(const std::string& unit, const char* otherwise) {
   return unit.empty() ? otherwise : unit;
 }
@@ -144,12 +146,8 @@ std::string UnitOr(const std::string& unit, const char* otherwise) {
 report::NamedFigure RecordFigure(const Result& result) {
   const ProcessModel& model = result.initial;
   const RecordData& data = result.data;
-  std::vector<Record> shown = data.records;
   std::vector<const Record*> records;
-  for (Record& record : shown) {
-    Delinearise(model, record);
-    records.push_back(&record);
-  }
+  for (const Record& record : data.records) records.push_back(&record);
   const Strip strip = MakeStrip(std::move(records));
   const int channels = model.num_outputs() + model.num_inputs();
   report::NamedFigure named = NewFigure(
@@ -180,17 +178,19 @@ report::NamedFigure RecordFigure(const Result& result) {
                output ? "measured" : "input");
     panel.x.dates = dates;
     if (c + 2 >= channels) panel.x.label = x_label;
+    const Transform& transform =
+        output ? model.outputs()[c].transform : model.inputs()[j].transform;
     const std::vector<double> values =
         Join(strip, [&](const Record& piece) -> Eigen::RowVectorXd {
-          if (output) return piece.outputs.row(c);
-          return piece.inputs.row(j);
+          return Engineering(
+              transform, output ? piece.outputs.row(c) : piece.inputs.row(j));
         });
     MarkWindows(data, strip, panel);
     AddCurve(Role::kMeasured, "recorded", strip.time, values, panel).steps =
         !output;
     if (output) {
-      AddCurve(Role::kSetPoint, "set point", strip.time, SetPoints(strip, c),
-               panel)
+      AddCurve(Role::kSetPoint, "set point", strip.time,
+               SetPoints(strip, c, transform), panel)
           .steps = true;
     }
     MarkUnusedSamples(strip, values, panel);
