@@ -84,11 +84,9 @@ absl::Status ChangeLimits(const Channels& channels, const char* field,
 
 template <typename Channels>
 VectorXd OperatingPoint(const Channels& channels) {
-  VectorXd at = VectorXd::Zero(static_cast<Index>(channels.size()));
+  VectorXd at(static_cast<Index>(channels.size()));
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (!channels[i].transform.IsNone()) {
-      at[static_cast<Index>(i)] = channels[i].transform.at;
-    }
+    at[static_cast<Index>(i)] = channels[i].transform.at;
   }
   return at;
 }

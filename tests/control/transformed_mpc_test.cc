@@ -11,6 +11,7 @@
 #include "mle/model/process_model.h"
 #include "sim/plant.h"
 #include "sim/transformed_plant.h"
+#include "tests/mle/model/transforms.h"
 
 namespace mle::control {
 namespace {
@@ -23,15 +24,7 @@ constexpr double kPeriod = 1.0;
 ProcessModel Valve(bool transformed) {
   ProcessModel model("heater", "min", {{"valve", "%"}}, {{"flow", "m3/h"}});
   model.element(0, 0) = TransferFunction::FirstOrder(0.5, 5.0, 2.0);
-  if (transformed) {
-    Transform valve;
-    valve.kind = TransformKind::kEqualPercentage;
-    valve.rangeability = 40.0;
-    valve.low = 0.0;
-    valve.high = 100.0;
-    valve.at = 30.0;
-    model.set_input_transform(0, valve);
-  }
+  if (transformed) model.set_input_transform(0, EqualPercentage(40.0, 30.0));
   return model;
 }
 
@@ -112,11 +105,7 @@ TEST(TransformedMpcTest, ALimitThatNoTransformHoldsIsNamed) {
   };
   EXPECT_NE(fault().find("max_move of valve = 4"), std::string::npos);
   ProcessModel model = Valve(true);
-  Transform root;
-  root.kind = TransformKind::kPower;
-  root.exponent = 0.5;
-  root.at = 30.0;
-  model.set_input_transform(0, root);
+  model.set_input_transform(0, Root(30.0));
   options.limits.max_move.resize(0);
   options.limits.min_input = VectorXd::Constant(1, -5.0);
   EXPECT_NE(std::string(Mpc::Create(model, options).status().message())
@@ -127,10 +116,7 @@ TEST(TransformedMpcTest, ALimitThatNoTransformHoldsIsNamed) {
 // A sample without a transform is missing, as one that is not a number.
 TEST(TransformedMpcTest, AValueWithoutATransformIsMissing) {
   ProcessModel model = Valve(false);
-  Transform logarithm;
-  logarithm.kind = TransformKind::kLogarithm;
-  logarithm.at = 2.0;
-  model.set_output_transform(0, logarithm);
+  model.set_output_transform(0, Logarithm(2.0));
   Mpc one = MpcOf(model, Tuning());
   Mpc other = MpcOf(model, Tuning());
   VectorXd next(1);

@@ -8,6 +8,7 @@
 #include "mle/model/process_model.h"
 #include "sim/closed_loop.h"
 #include "sim/plant.h"
+#include "tests/mle/model/transforms.h"
 
 namespace mle::sim {
 namespace {
@@ -17,18 +18,8 @@ ProcessModel Tank() {
                      {{"level", "m"}});
   model.element(0, 0) = TransferFunction::FirstOrder(0.05, 4.0, 1.0);
   model.element(0, 1) = TransferFunction::FirstOrder(-0.02, 4.0, 0.0);
-  Transform valve;
-  valve.kind = TransformKind::kEqualPercentage;
-  valve.rangeability = 50.0;
-  valve.low = 0.0;
-  valve.high = 100.0;
-  valve.at = 40.0;
-  model.set_input_transform(0, valve);
-  Transform level;
-  level.kind = TransformKind::kPower;
-  level.exponent = 0.5;
-  level.at = 4.0;
-  model.set_output_transform(0, level);
+  model.set_input_transform(0, EqualPercentage(50.0, 40.0));
+  model.set_output_transform(0, Root(4.0));
   return model;
 }
 

@@ -9,6 +9,7 @@
 #include "mle/data/linearise.h"
 #include "mle/mle.h"
 #include "tests/mle/explain/closed_loop_records.h"
+#include "tests/mle/model/transforms.h"
 
 namespace mle {
 namespace {
@@ -107,9 +108,7 @@ TEST(CurvesHeldTest, ALogarithmicOutputIsStraightened) {
 // aged gain is corrected within it.
 TEST(CurvesHeldTest, AModelWithItsCurveIsCorrectedAsAnyOther) {
   ProcessModel model = TwoLoops();
-  Transform valve;
-  valve.kind = TransformKind::kExponential;
-  valve.curvature = kCurvature;
+  const Transform valve = Exponential(kCurvature);
   model.set_input_transform(0, valve);
   const CorrectionResult same =
       CorrectModel(model, CloseLoops(TwoLoops(), 3, BentValve()));
@@ -129,10 +128,7 @@ TEST(CurvesHeldTest, AModelWithItsCurveIsCorrectedAsAnyOther) {
 TEST(CurvesHeldTest, ACurveUponATransformIsBoth) {
   ProcessModel model("m", "min", {{"valve", "%"}}, {{"level", "m"}});
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 10.0, 1.0);
-  Transform given;
-  given.kind = TransformKind::kExponential;
-  given.curvature = 0.02;
-  given.at = 50.0;
+  const Transform given = Exponential(0.02, 50.0);
   model.set_input_transform(0, given);
   FoundCurve curve;
   curve.channel = 0;
@@ -168,10 +164,7 @@ TEST(CurvesHeldTest, ACurveUponATransformIsBoth) {
 
 TEST(CurvesHeldTest, ARecordWithoutALogarithmIsRefused) {
   ProcessModel model = TwoLoops();
-  Transform logarithm;
-  logarithm.kind = TransformKind::kLogarithm;
-  logarithm.at = 1.0;
-  model.set_output_transform(1, logarithm);
+  model.set_output_transform(1, Logarithm(1.0));
   const auto result =
       CorrectFromRecords(model, {CloseLoops(TwoLoops(), 1)}, CorrectOptions());
   ASSERT_FALSE(result.ok());

@@ -6,49 +6,48 @@
 
 #include "gtest/gtest.h"
 #include "mle/model/process_model.h"
+#include "tests/mle/model/transforms.h"
 
 namespace mle {
 namespace {
 
-Transform EqualPercentage() {
-  Transform transform;
-  transform.kind = TransformKind::kEqualPercentage;
-  transform.rangeability = 50.0;
-  transform.low = 0.0;
-  transform.high = 100.0;
-  transform.at = 40.0;
-  return transform;
-}
-
 std::vector<Transform> AllTransforms() {
-  Transform exponential;
-  exponential.kind = TransformKind::kExponential;
-  exponential.curvature = -0.02;
-  exponential.at = 10.0;
-  Transform logarithm;
-  logarithm.kind = TransformKind::kLogarithm;
-  logarithm.at = 30.0;
+  Transform logarithm = Logarithm(30.0);
   logarithm.zero = -5.0;
   Transform reflected = logarithm;  // values below x₀
   reflected.zero = 200.0;
-  Transform root;
-  root.kind = TransformKind::kPower;
-  root.exponent = 0.5;
-  root.at = 25.0;
-  Transform reciprocal = root;
+  Transform reciprocal = Root(25.0);
   reciprocal.exponent = -1.0;
   Transform quick;
   quick.kind = TransformKind::kQuickOpening;
   quick.low = -1.0;
   quick.high = 100.0;
   quick.at = 50.0;
+  Transform sinh = Exponential(0.03, 40.0);
+  sinh.kind = TransformKind::kSinh;
+  Transform arsinh = Exponential(-0.05, 40.0);
+  arsinh.kind = TransformKind::kSinh;
+  Transform artanh = Exponential(0.01, 40.0);
+  artanh.kind = TransformKind::kTanh;
+  Transform tanh = Exponential(-0.02, 40.0);
+  tanh.kind = TransformKind::kTanh;
   Transform pieces;
   pieces.kind = TransformKind::kPiecewiseLinear;
   pieces.points = {{0.0, 0.0}, {20.0, 5.0}, {60.0, 45.0}, {100.0, 65.0}};
   pieces.at = 30.0;
-  return {{},         exponential, EqualPercentage(),
-          logarithm,  reflected,   root,
-          reciprocal, quick,       pieces};
+  return {{},
+          Exponential(-0.02, 10.0),
+          EqualPercentage(50.0, 40.0),
+          logarithm,
+          reflected,
+          Root(25.0),
+          reciprocal,
+          quick,
+          sinh,
+          arsinh,
+          artanh,
+          tanh,
+          pieces};
 }
 
 TEST(TransformTest, AtTheOperatingPointNothingIsTransformed) {
@@ -78,7 +77,7 @@ TEST(TransformTest, EachHasItsInverseAndItsSlope) {
 }
 
 TEST(TransformTest, AnEqualPercentageValveMultipliesItsGainByItsRangeability) {
-  const Transform valve = EqualPercentage();
+  const Transform valve = EqualPercentage(50.0, 40.0);
   EXPECT_NEAR(valve.Slope(100.0) / valve.Slope(0.0), 50.0, 1e-10);
 }
 
@@ -90,9 +89,7 @@ TEST(TransformTest, BeyondItsPointsACurveGoesStraightOn) {
 }
 
 TEST(TransformTest, ValuesWithoutALogarithmHaveNone) {
-  Transform logarithm;
-  logarithm.kind = TransformKind::kLogarithm;
-  logarithm.at = 2.0;
+  const Transform logarithm = Logarithm(2.0);
   EXPECT_TRUE(logarithm.Holds(1e-9));
   for (const double x : {0.0, -1.0}) {
     EXPECT_FALSE(logarithm.Holds(x));
@@ -100,7 +97,7 @@ TEST(TransformTest, ValuesWithoutALogarithmHaveNone) {
     EXPECT_TRUE(std::isnan(logarithm.Slope(x)));
   }
   // What no value gives.
-  EXPECT_TRUE(std::isnan(EqualPercentage().Engineering(-1e6)));
+  EXPECT_TRUE(std::isnan(EqualPercentage(50.0, 40.0).Engineering(-1e6)));
 }
 
 TEST(TransformTest, WhatIsWrongIsNamed) {
@@ -113,13 +110,11 @@ TEST(TransformTest, WhatIsWrongIsNamed) {
                                "numbers must rise"),
             std::string::npos)
       << fault(pieces);
-  Transform logarithm;
-  logarithm.kind = TransformKind::kLogarithm;
-  EXPECT_NE(fault(logarithm).find("at = 0"), std::string::npos);
-  Transform valve = EqualPercentage();
+  EXPECT_NE(fault(Logarithm(0.0)).find("at = 0"), std::string::npos);
+  Transform valve = EqualPercentage(50.0, 40.0);
   valve.rangeability = 1.0;
   EXPECT_NE(fault(valve).find("rangeability = 1"), std::string::npos);
-  valve = EqualPercentage();
+  valve = EqualPercentage(50.0, 40.0);
   valve.high = -1.0;
   EXPECT_NE(fault(valve).find("open must be above closed"), std::string::npos);
   Transform power;
@@ -135,22 +130,22 @@ TEST(TransformTest, AtAPointTheModelIsLinear) {
                      {{"top", "%"}});
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 10.0, 1.0);
   model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 5.0, 2.0);
-  model.set_input_transform(0, EqualPercentage());
-  Transform logarithm;
-  logarithm.kind = TransformKind::kLogarithm;
-  logarithm.at = 4.0;
-  model.set_output_transform(0, logarithm);
+  model.set_input_transform(0, EqualPercentage(50.0, 40.0));
+  model.set_output_transform(0, Logarithm(4.0));
   ASSERT_TRUE(HasTransforms(model));
-  const auto linear = LinearAt(model, Eigen::Vector2d(60.0, 7.0),
-                               Eigen::VectorXd::Constant(1, 2.0));
+  const auto linear =
+      LinearAt(model, {{"reflux", 60.0}, {"steam", 7.0}, {"top", 2.0}});
   ASSERT_TRUE(linear.ok()) << linear.status();
   EXPECT_FALSE(HasTransforms(*linear));
   const double valve = std::pow(50.0, (60.0 - 40.0) / 100.0);
   EXPECT_NEAR(linear->element(0, 0).StaticGain(), 2.0 * valve / 2.0, 1e-12);
   EXPECT_NEAR(linear->element(0, 1).StaticGain(), -3.0 / 2.0, 1e-12);
   EXPECT_EQ(linear->element(0, 1).delay(), 2.0);
-  const auto outside = LinearAt(model, Eigen::Vector2d(60.0, 7.0),
-                                Eigen::VectorXd::Constant(1, -2.0));
+  // Channels that are not named are at the operating point.
+  EXPECT_EQ(LinearAt(model, {})->element(0, 0).StaticGain(), 2.0);
+  EXPECT_EQ(LinearAt(model, {{"flap", 1.0}}).status().message(),
+            "the model has no channel 'flap'");
+  const auto outside = LinearAt(model, {{"top", -2.0}});
   EXPECT_NE(outside.status().message().find("top = -2: its transform"),
             std::string::npos)
       << outside.status();

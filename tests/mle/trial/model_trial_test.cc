@@ -8,6 +8,7 @@
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
 #include "mle/model/process_simulator.h"
+#include "tests/mle/model/transforms.h"
 #include "tests/mle/trial/tried_loop.h"
 
 namespace mle {
@@ -54,11 +55,7 @@ TEST(ModelTrialTest, WrongCorrectionsAreDropped) {
 // Nobody is told that a bent model is no better than a linear one.
 TEST(ModelTrialTest, ModelsWithTransformsAreNotTried) {
   ProcessModel bent = Tank(1.6);
-  Transform root;
-  root.kind = TransformKind::kPower;
-  root.exponent = 0.5;
-  root.at = 4.0;
-  bent.set_output_transform(0, root);
+  bent.set_output_transform(0, Root(4.0));
   const auto trial = ModelTrial::Create(Tank(2.0), bent, 1.0, {});
   EXPECT_THAT(std::string(trial.status().message()),
               ::testing::HasSubstr("one of these has a transform"));
