@@ -16,6 +16,12 @@ using ParsedJson = nlohmann::json;
 
 absl::StatusOr<ParsedJson> ReadModelJson(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const ModelFile file, ReadModelFile(path));
+  if (HasTransforms(file.process)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        path,
+        ": has transforms; campaigns have linear models and plants "
+        "(mle_convert --at makes them)"));
+  }
   return ParsedJson::parse(FormatProcessModel(file.process));
 }
 

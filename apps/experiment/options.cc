@@ -48,6 +48,11 @@ absl::Status CheckLoop(const ExperimentOptions& options,
           input.name));
     }
   }
+  if (HasTransforms(initial)) {
+    return absl::InvalidArgumentError(
+        "the model has transforms; experiments have linear models and plants "
+        "(mle_simulate simulates others, mle_convert makes linear ones)");
+  }
   MLE_RETURN_IF_ERROR(CheckController(controller, initial));
   // Finds the rest, such as weights that leave the moves undetermined.
   const absl::Status created =

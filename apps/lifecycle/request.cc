@@ -74,6 +74,11 @@ absl::Status TakeModels(const GivenModels& given, const Request& request,
   campaign.plant = given.plant.value_or(given.model);
   MLE_RETURN_IF_ERROR(
       CheckSameChannels(campaign.model, "model", campaign.plant, "plant"));
+  if (HasTransforms(campaign.model) || HasTransforms(campaign.plant)) {
+    return absl::InvalidArgumentError(
+        "model or plant has transforms; lives have linear ones (mle_convert "
+        "--at makes them)");
+  }
   absl::StatusOr<sim::AgeingSchedule> ageing = sim::ParseAgeingSchedule(
       given.ageing, in_memory ? "ageing" : request.ageing_path, campaign.plant);
   if (!in_memory) ageing = AboutOption("ageing", std::move(ageing));

@@ -147,6 +147,11 @@ TEST(CampaignTest, ModelsAndMismatches) {
   ExpectRefused({
       {[](Json& j) { j["models"].push_back(j["models"][0]); },
        {"models[1]", "'column' is duplicated"}},
+      {[](Json& j) {
+         j["models"][0]["model"]["inputs"][0]["transform"] = {{"kind", "log"},
+                                                              {"at", 1.0}};
+       },
+       {"model 'column'", "the model has transforms"}},
       {[](Json& j) { j["models"][0]["random"] = Json::object(); },
        {"models[0]", "one of file"}},
       {[](Json& j) { j["models"][0]["file"] = "no/such.json"; },
