@@ -14,6 +14,7 @@ import least_squares
 import plants  # of benchmarks/reality
 import records
 import responses
+import transforms
 import trials  # of benchmarks/reality
 
 AGES = ({"gain": 0.6}, {"time_constant": 1.6}, {"delay": 0.3})  # the last in time constants
@@ -117,15 +118,15 @@ class Judge:
     def errors(self, model, times):
         """By output: the errors at each horizon and of the simulation, over all records; the fit
         of each record."""
-        return {output: self.errors_of(model["elements"], output, ahead)
+        return {output: self.errors_of(model, output, ahead)
                 for output, ahead in times.items()}
 
-    def errors_of(self, elements, output, ahead):
+    def errors_of(self, model, output, ahead):
         moves, simulated, fits, fixed = [[] for _ in ahead], [], {}, []
         for name, stretches in self.unseen.items():
             errors, measured = [], []
             for stretch in stretches:
-                error = responses.errors_of(elements, stretch, output)
+                error = transforms.errors_of(model, stretch, output)
                 if self.begin is not None:
                     error = np.where(stretch.time >= self.begin, error, math.nan)
                 if not np.any(np.isfinite(error)):

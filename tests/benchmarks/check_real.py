@@ -18,6 +18,7 @@ import records  # noqa: E402
 import report  # noqa: E402
 import responses  # noqa: E402
 import runs  # noqa: E402
+import transforms  # noqa: E402
 
 MODEL = json.loads((source / "configs/wood_berry.json").read_text())
 OUTPUTS = [channel["name"] for channel in MODEL["outputs"]]
@@ -171,6 +172,38 @@ def least_squares_finds_an_aged_gain(data):
         assert abs(after["gain"] / before["gain"] - factor) < 0.05, (before, after)
 
 
+def transforms_are_those_of_the_library():
+    """Slope 1 at the operating point, the inverse, and values of mle/model/transform.h."""
+    both = [{"kind": "exponential", "curvature": 0.02}, {"kind": "log", "zero": 60.0},
+            {"kind": "equal_percentage", "rangeability": 50.0, "closed": 0.0, "open": 100.0},
+            {"kind": "power", "exponent": -0.7, "zero": 1.0},
+            {"kind": "quick_opening", "closed": 5.0, "open": 100.0},
+            {"kind": "sinh", "curvature": 0.05}, {"kind": "sinh", "curvature": -0.05},
+            {"kind": "tanh", "curvature": 0.02}, {"kind": "tanh", "curvature": -0.02},
+            {"kind": "piecewise_linear", "points": [[0, 0], [30, 10], [50, 40], [80, 50]]}]
+    x = np.array([12.0, 40.0, 40.001, 55.0])
+    for transform in both:
+        there, back = transforms.of({"name": "u", "transform": {**transform, "at": 40.0}})
+        z = there(x)
+        assert np.allclose(back(z), x, atol=1e-9), transform
+        assert z[1] == 40.0 and abs(z[2] - x[2]) < 1e-6, (transform, z)
+        assert np.all(np.diff(z) > 0.0), transform
+    assert transforms.of({"name": "u"}) is None
+    # A valve of rangeability 50 at 55 %, with slope 1 at 40 %.
+    valve = transforms.of({"transform": {**both[2], "at": 40.0}})[0]
+    c = math.log(50.0) / 100.0
+    assert abs(valve(55.0) - (40.0 + (50.0**0.15 - 1.0) / c)) < 1e-12
+    # A static element between two transforms leaves no error, but for the level.
+    element = {"input": "u", "output": "y", "gain": 2.0, "time_constant": 0.0, "delay": 0.0}
+    model = {"inputs": [{"name": "u", "transform": {**both[2], "at": 40.0}}],
+             "outputs": [{"name": "y", "transform": {"kind": "log", "at": 3.0}}],
+             "elements": [{**element, "gain": 0.01}]}
+    u = np.tile([30.0, 40.0, 52.0], 4)
+    y = transforms.of(model["outputs"][0])[1](3.0 + 0.01 * (valve(u) - 40.0))
+    error = transforms.errors_of(model, stretch_of({"u": u, "y": y}, 1.0), "y")
+    assert np.allclose(error, 0.0, atol=1e-12), error
+
+
 STAND_IN = """#!{python}
 import json, pathlib, sys
 flags = dict(argument[2:].split("=", 1) for argument in sys.argv[1:])
@@ -248,6 +281,7 @@ def experiments_are_the_same_at_every_run(scratch):
 
 
 step_responses_are_exact()
+transforms_are_those_of_the_library()
 levels_do_not_count_and_ramps_do()
 declarations_are_checked()
 what_was_changed_is_named()
