@@ -4,7 +4,8 @@
 //   ẋ = f(t, x, w),   y_i = x_{o_i},   f(t₀, x⁰, u⁰) = 0,
 //
 // with x: n states, w: the inputs as they arrive, u⁰: the inputs at which the
-// plant rests at the time t₀. Example: van_de_vusse.h.
+// plant rests at the time t₀. Examples: van_de_vusse.h, quadruple_tank.h,
+// ph_neutralisation.h.
 
 #ifndef SIM_PLANT_AT_REST_H_
 #define SIM_PLANT_AT_REST_H_

@@ -3,6 +3,8 @@
 #include "apps/common/option_table.h"
 #include "mle/base/status.h"
 #include "sim/ageing_json.h"
+#include "sim/ph_neutralisation.h"
+#include "sim/quadruple_tank.h"
 #include "sim/van_de_vusse.h"
 
 namespace mle::simulate {
@@ -32,6 +34,8 @@ auto MakerOf(absl::StatusOr<sim::ContinuousSystem> (*make)(Options, double),
 
 const std::vector<NonlinearPlant>& NonlinearPlants() {
   using Reactor = sim::VanDeVusseOptions;
+  using Tanks = sim::QuadrupleTankOptions;
+  using Neutralisation = sim::PhNeutralisationOptions;
   static const std::vector<NonlinearPlant>& plants =
       *new std::vector<NonlinearPlant>{
           {"van_de_vusse",
@@ -40,7 +44,23 @@ const std::vector<NonlinearPlant>& NonlinearPlants() {
                         {{"product", "mol/L"}, {"temperature", "degC"}}),
            {8.0, -1113.5},
            MakerOf<Reactor>(sim::MakeVanDeVusseReactor,
-                            {&Reactor::feed, &Reactor::heat})}};
+                            {&Reactor::feed, &Reactor::heat})},
+          {"quadruple_tank",
+           "four tanks and two pumps",
+           ProcessModel("tanks", "s", {{"pump1", "V"}, {"pump2", "V"}},
+                        {{"level1", "cm"}, {"level2", "cm"}}),
+           {3.0, 3.0},
+           MakerOf<Tanks>(sim::MakeQuadrupleTank,
+                          {&Tanks::voltage1, &Tanks::voltage2})},
+          {"ph_neutralisation",
+           "an acid, a base and a buffer in a tank",
+           ProcessModel("neutralisation", "s",
+                        {{"acid", "mL/s"}, {"base", "mL/s"}},
+                        {{"level", "cm"}, {"pH", ""}}),
+           {16.6, 15.55},
+           MakerOf<Neutralisation>(
+               sim::MakePhNeutralisation,
+               {&Neutralisation::acid, &Neutralisation::base})}};
   return plants;
 }
 
