@@ -108,6 +108,18 @@ TEST(PhNeutralisationTest, LargeStepsAgreeWithAnEighthOrderIntegrator) {
   EXPECT_LE((plant.state() - after_acid).cwiseAbs().maxCoeff(), 1e-8);
 }
 
+// Without acid and base only the buffer flows through.
+TEST(PhNeutralisationTest, RunsDownToTheBufferAndFillsAgain) {
+  ContinuousPlant plant = PlantOf(Neutralisation(), 3.0);
+  const VectorXd full = plant.state();
+  Hold(plant, Vector2d(-50.0, -50.0), 1000);
+  EXPECT_NEAR(plant.state()[0], std::pow(0.55 / 8.75, 2), 1e-6);
+  EXPECT_NEAR(plant.state()[1], -30.0, 1e-6);
+  EXPECT_NEAR(plant.state()[2], 30.0, 1e-6);
+  Hold(plant, Vector2d::Zero(), 1500);
+  EXPECT_LE((plant.state() - full).cwiseAbs().maxCoeff(), 1e-6);
+}
+
 TEST(PhNeutralisationTest, SmallStepsAreThoseOfItsProcessModel) {
   for (const Vector2d& step : {Vector2d(0.05, 0.0), Vector2d(0.0, 0.05)}) {
     ExpectLinearisedAs("ph_neutralisation.json", Neutralisation(), 6.0, step,
