@@ -32,6 +32,14 @@
 
 namespace mle::sim {
 
+// Something that ages in a plant of other equations (plant_at_rest.h): a factor
+// > 0 of what it is when new, at the time of the plant, by the name that files
+// of ageing have for it.
+struct AgeingFactor {
+  const char* name;
+  Schedule* factor;
+};
+
 struct ElementAgeing {
   int output = 0;
   int input = 0;

@@ -82,23 +82,23 @@ absl::StatusOr<AgeingSchedule> ParseAgeing(const JsonNode& top,
   return ageing;
 }
 
-absl::StatusOr<ReactorAgeing> ParseReactor(const JsonNode& top) {
-  MLE_RETURN_IF_ERROR(
-      top.CheckKeys({}, {"time_factor", "activity", "heat_transfer"}));
+absl::Status ParseFactors(const JsonNode& top,
+                          const std::vector<AgeingFactor>& factors) {
+  std::vector<std::string> keys = {"time_factor"};
+  for (const AgeingFactor& ageing : factors) keys.push_back(ageing.name);
+  MLE_RETURN_IF_ERROR(top.CheckKeys({}, keys));
   double time_factor = 1.0;
   MLE_RETURN_IF_ERROR(ReadNumber(top, "time_factor", kPositive, time_factor));
-  ReactorAgeing ageing;
-  for (const auto& [key, schedule] :
-       {std::pair("activity", &ageing.activity),
-        std::pair("heat_transfer", &ageing.heat_transfer)}) {
-    if (!top.Has(key)) continue;
-    MLE_ASSIGN_OR_RETURN(*schedule, ParseSchedule(top.At(key), time_factor));
-    if (!(schedule->Min() > 0.0)) {
-      return top.At(key).Fault("falls to ", schedule->Min(),
-                               "; the factor must stay positive");
+  for (const AgeingFactor& ageing : factors) {
+    if (!top.Has(ageing.name)) continue;
+    const JsonNode node = top.At(ageing.name);
+    MLE_ASSIGN_OR_RETURN(*ageing.factor, ParseSchedule(node, time_factor));
+    if (!(ageing.factor->Min() > 0.0)) {
+      return node.Fault("falls to ", ageing.factor->Min(),
+                        "; the factor must stay positive");
     }
   }
-  return ageing;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -116,10 +116,11 @@ absl::StatusOr<AgeingSchedule> ReadAgeingSchedule(const std::string& path,
   return ParseAgeingSchedule(json, path, model);
 }
 
-absl::StatusOr<ReactorAgeing> ReadReactorAgeing(const std::string& path) {
+absl::Status ReadAgeingFactors(const std::string& path,
+                               const std::vector<AgeingFactor>& factors) {
   MLE_ASSIGN_OR_RETURN(const std::string json, ReadFile(path));
   MLE_ASSIGN_OR_RETURN(const nlohmann::json top, ParseStrictJson(json, path));
-  return ParseReactor(JsonNode(top, path));
+  return ParseFactors(JsonNode(top, path), factors);
 }
 
 }  // namespace mle::sim

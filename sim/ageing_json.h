@@ -19,11 +19,12 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
 #include "sim/ageing.h"
-#include "sim/schedule.h"
 
 namespace mle::sim {
 
@@ -36,15 +37,13 @@ absl::StatusOr<AgeingSchedule> ParseAgeingSchedule(std::string_view json,
 absl::StatusOr<AgeingSchedule> ReadAgeingSchedule(const std::string& path,
                                                   const ProcessModel& model);
 
-// The same for the reactor of van_de_vusse.h:
+// The same for a plant with factors of its own (plant_at_rest.h); those that
+// the file does not name stay as they are:
 //
 //   {"time_factor": 720, "activity": [[0, 1.0], [12, 0.7]], "heat_transfer":
 //   0.9}
-struct ReactorAgeing {
-  Schedule activity = Schedule(1.0);       // > 0
-  Schedule heat_transfer = Schedule(1.0);  // > 0
-};
-absl::StatusOr<ReactorAgeing> ReadReactorAgeing(const std::string& path);
+absl::Status ReadAgeingFactors(const std::string& path,
+                               const std::vector<AgeingFactor>& factors);
 
 }  // namespace mle::sim
 

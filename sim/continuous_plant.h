@@ -4,8 +4,8 @@
 //
 // with x: n states, u: m inputs held between samples, y: p outputs, w: the
 // inputs as they arrive on q paths (delayed_inputs.h). The general linear plant
-// with several delays is one such (linear_system.h), a reactor another
-// (van_de_vusse.h).
+// with several delays is one such (linear_system.h), plants of the literature
+// are others (plant_at_rest.h).
 //
 // Integrated by the classical fourth-order Runge–Kutta scheme in fine steps. No
 // step crosses a jump of an input or one of `breaks`; between those f and h may

@@ -1,12 +1,11 @@
 #include "sim/van_de_vusse.h"
 
 #include <cmath>
+#include <functional>
 
 #include "absl/status/status.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
-#include "sim/fastest_time_constant.h"
-#include "sim/steady_state.h"
 
 namespace mle::sim {
 namespace {
@@ -52,13 +51,11 @@ void ReactorDerivative(const VanDeVusseOptions& options, double time,
   dx[3] = (w[1] + to_jacket) / (kCoolant * kCoolantHeatCapacity);
 }
 
-absl::Status Validate(const VanDeVusseOptions& options) {
+absl::Status ValidateReactor(VanDeVusseOptions options) {
   MLE_RETURN_IF_ERROR(CheckPositive("feed", options.feed));
   MLE_RETURN_IF_ERROR(
       CheckPositive("feed_concentration", options.feed_concentration));
-  MLE_RETURN_IF_ERROR(CheckPositive("activity", options.activity.Min()));
-  MLE_RETURN_IF_ERROR(
-      CheckPositive("heat_transfer", options.heat_transfer.Min()));
+  MLE_RETURN_IF_ERROR(CheckFactors(AgeingFactors(options)));
   if (!std::isfinite(options.heat) ||
       !std::isfinite(options.feed_temperature)) {
     return InvalidArgument("heat = ", options.heat,
@@ -70,44 +67,21 @@ absl::Status Validate(const VanDeVusseOptions& options) {
 
 }  // namespace
 
-absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
-    const VanDeVusseOptions& options, double start_time) {
-  MLE_RETURN_IF_ERROR(Validate(options));
-  ContinuousSystem system;
-  system.num_inputs = 2;
-  system.num_outputs = 2;
-  system.paths = {{0, Schedule(options.feed_delay)},
-                  {1, Schedule(options.heat_delay)}};
-  system.derivative = [options](double time, const VectorXd& x,
-                                const VectorXd& w, VectorXd& dx) {
-    ReactorDerivative(options, time, x, w, dx);
-  };
-  system.output = [](double, const VectorXd& x, const VectorXd&, VectorXd& y) {
-    y[0] = x[1];
-    y[1] = x[2];
-  };
-  for (const Schedule* schedule : {&options.activity, &options.heat_transfer}) {
-    for (const Schedule::Point& point : schedule->points()) {
-      system.breaks.push_back(point.time);
-    }
-  }
+std::vector<AgeingFactor> AgeingFactors(VanDeVusseOptions& options) {
+  return {{"activity", &options.activity},
+          {"heat_transfer", &options.heat_transfer}};
+}
 
-  const Eigen::Vector2d inputs(options.feed, options.heat);
-  const Eigen::Vector4d published(2.14, 1.09, 114.2, 112.9);
-  const SystemFunction at_start = [options, start_time](
-                                      double, const VectorXd& x,
-                                      const VectorXd& w, VectorXd& dx) {
-    ReactorDerivative(options, start_time, x, w, dx);
-  };
-  MLE_ASSIGN_OR_RETURN(system.initial_state,
-                       SolveSteadyState(at_start, inputs, published));
-  system.input_origin = inputs;
-  system.output_origin = system.initial_state.segment<2>(1);
-  // Rates may grow by an order of magnitude away from the steady state.
-  system.largest_step =
-      0.02 *
-      FastestTimeConstant(Linearise(at_start, system.initial_state, inputs).A);
-  return system;
+absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
+    VanDeVusseOptions options, double start_time) {
+  MLE_RETURN_IF_ERROR(ValidateReactor(options));
+  return MakePlantAtRest(
+      {.derivative = std::bind_front(ReactorDerivative, options),
+       .outputs = {1, 2},
+       .inputs = Eigen::Vector2d(options.feed, options.heat),
+       .guess = Eigen::Vector4d(2.14, 1.09, 114.2, 112.9),  // as published
+       .delays = {options.feed_delay, options.heat_delay}},
+      AgeingFactors(options), start_time);
 }
 
 }  // namespace mle::sim

@@ -23,8 +23,11 @@
 #ifndef SIM_VAN_DE_VUSSE_H_
 #define SIM_VAN_DE_VUSSE_H_
 
+#include <vector>
+
 #include "absl/status/statusor.h"
 #include "sim/continuous_plant.h"
+#include "sim/plant_at_rest.h"
 #include "sim/schedule.h"
 
 namespace mle::sim {
@@ -43,11 +46,14 @@ struct VanDeVusseOptions {
   Schedule heat_transfer = Schedule(1.0);  // > 0
 };
 
+// By the names that files of ageing have for them.
+std::vector<AgeingFactor> AgeingFactors(VanDeVusseOptions& options);
+
 // At its steady state for the given inputs, at time `start_time`; inputs and
 // outputs are deviations from it. States: c_A, c_B, ϑ, ϑ_K. InvalidArgument for
 // an option out of range, FailedPrecondition where no steady state is found.
 absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
-    const VanDeVusseOptions& options, double start_time = 0.0);
+    VanDeVusseOptions options, double start_time = 0.0);
 
 }  // namespace mle::sim
 

@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/model_files.h"
 #include "apps/common/shared_options.h"
+#include "apps/simulate/nonlinear_plants.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "sim/ageing_json.h"
@@ -12,7 +14,6 @@
 #include "sim/continuous_plant.h"
 #include "sim/effects_json.h"
 #include "sim/transformed_plant.h"
-#include "sim/van_de_vusse.h"
 
 namespace mle::simulate {
 namespace {
@@ -94,22 +95,49 @@ std::vector<Option> OptionsOf(sim::MeasurementFaultOptions& options) {
   };
 }
 
-constexpr char kReactor[] = "van_de_vusse";
+// "feed (1/h) and heat (kJ/h)"
+std::string InputsOf(const NonlinearPlant& plant) {
+  return absl::StrJoin(plant.channels.inputs(), " and ",
+                       [](std::string* out, const InputChannel& input) {
+                         absl::StrAppend(out, input.name, " (", input.unit,
+                                         ")");
+                       });
+}
+
+// One phrase of each non-linear plant.
+template <typename Phrase>
+std::string OfNonlinearPlants(const Phrase& phrase) {
+  return absl::StrJoin(NonlinearPlants(), "; ",
+                       [&](std::string* out, const NonlinearPlant& plant) {
+                         absl::StrAppend(out, phrase(plant));
+                       });
+}
 
 std::vector<Option> PlantOptions(Request& request) {
   return {
       {"model", &request.model_path, "Process model (JSON) of the controller."},
       {"plant", &request.plant,
-       "The plant: a process model (JSON) with the same inputs and outputs, or "
-       "van_de_vusse, a stirred tank reactor (non-linear, time in h). Empty: "
-       "--model."},
+       absl::StrCat(
+           "The plant: a process model (JSON) with the same inputs and "
+           "outputs, or a non-linear one: ",
+           OfNonlinearPlants([](const NonlinearPlant& plant) {
+             return absl::StrCat(plant.name, " (", plant.about, ", time in ",
+                                 plant.channels.time_unit(), ")");
+           }),
+           ". Empty: --model.")},
       {"operating_inputs", Numbers(&request.operating_inputs),
-       "Feed (1/h) and heat (kJ/h) of the steady state at which van_de_vusse "
-       "starts; the record has deviations from that state."},
+       absl::StrCat(
+           "Inputs of the steady state at which a non-linear plant starts; the "
+           "record has deviations from that state. ",
+           OfNonlinearPlants([](const NonlinearPlant& plant) {
+             return absl::StrCat(plant.name, ": ", InputsOf(plant), ", ",
+                                 absl::StrJoin(plant.operating_inputs, ","),
+                                 " if empty");
+           }),
+           ".")},
       {"ageing", &request.ageing_path,
        "Ageing schedule (JSON) of the plant's elements: gains, time constants "
-       "and dead times over time; of van_de_vusse its activity and heat "
-       "transfer."},
+       "and dead times over time; of a non-linear plant factors of its own."},
       {"age", &request.age, "Time of --ageing at which the run begins.", "min"},
   };
 }
@@ -131,29 +159,18 @@ std::vector<Option> RunOptions(Request& request) {
   };
 }
 
-absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
-    const Request& request) {
-  const ProcessModel channels("reactor", "h", {{"feed", ""}, {"heat", ""}},
-                              {{"product", ""}, {"temperature", ""}});
+absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeNonlinear(
+    const NonlinearPlant& made, const Request& request) {
   MLE_RETURN_IF_ERROR(CheckSameChannels(
-      request.simulation.model, request.model_path, channels, kReactor));
-  const std::vector<double>& operating = request.operating_inputs;
-  if (operating.size() != 2) {
-    return RefuseOption("operating_inputs", absl::StrJoin(operating, ","),
-                        "the feed and the heat are needed");
+      request.simulation.model, request.model_path, made.channels, made.name));
+  std::vector<double> inputs = request.operating_inputs;
+  if (inputs.empty()) inputs = made.operating_inputs;
+  if (inputs.size() != made.operating_inputs.size()) {
+    return RefuseOption("operating_inputs", absl::StrJoin(inputs, ","),
+                        absl::StrCat(InputsOf(made), " are needed"));
   }
-  sim::VanDeVusseOptions reactor{.feed = operating[0], .heat = operating[1]};
-  if (!request.ageing_path.empty()) {
-    MLE_ASSIGN_OR_RETURN(
-        sim::ReactorAgeing ageing,
-        AboutOption("ageing", sim::ReadReactorAgeing(request.ageing_path)));
-    reactor.activity = std::move(ageing.activity);
-    reactor.heat_transfer = std::move(ageing.heat_transfer);
-  }
-  MLE_ASSIGN_OR_RETURN(
-      sim::ContinuousSystem system,
-      AboutOption("operating_inputs",
-                  sim::MakeVanDeVusseReactor(reactor, request.age)));
+  MLE_ASSIGN_OR_RETURN(sim::ContinuousSystem system,
+                       made.make(inputs, request.ageing_path, request.age));
   MLE_ASSIGN_OR_RETURN(sim::ContinuousPlant plant,
                        sim::ContinuousPlant::Create(
                            std::move(system),
@@ -183,7 +200,9 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(Request& request) {
   simulation.operating_inputs = OperatingPoint(plant.inputs(), plant.inputs());
   simulation.operating_outputs =
       OperatingPoint(plant.outputs(), plant.outputs());
-  if (request.plant == kReactor) return MakeReactor(request);
+  if (const NonlinearPlant* named = FindNonlinearPlant(request.plant)) {
+    return MakeNonlinear(*named, request);
+  }
   if (request.plant_model.has_value()) {
     MLE_RETURN_IF_ERROR(
         CheckSameChannels(plant, "model", *request.plant_model, "plant"));

@@ -49,8 +49,8 @@ absl::StatusOr<Record> Run(Simulation& simulation);
 struct Request {
   // Options as they are given.
   std::string model_path;
-  std::string plant = "";  // a process model's path, van_de_vusse, or empty
-  std::vector<double> operating_inputs = {8.0, -1113.5};
+  std::string plant = "";  // a process model's path, a plant's name, or empty
+  std::vector<double> operating_inputs;  // of a plant by name; empty: its own
   std::string ageing_path;
   double age = 0.0;
   std::string set_points;

@@ -36,7 +36,7 @@ def judged(trial, result):
     share of it, points of their bands, and those that hold the truth; curves told that are not."""
     row = {}
     if trial.plant.simulated:
-        return row  # every channel of the reactor is bent, in a way of its own
+        return row  # every channel of these is bent, in a way of its own
     for curve in (result or {}).get("curves", []):
         gain = true_gain(trial, curve["channel"], curve["is_output"])
         if gain is None:

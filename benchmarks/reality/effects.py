@@ -299,24 +299,19 @@ def slower_downwards(trial):
                            "falling": trial.about(1.4, 1.2)})
 
 
-def small_steps(trial):
-    two_rounds(trial)
-
-
-def tour(trial):
-    """Set points over the range in which a linear controller holds the reactor."""
+def tour(trial, ranges):
+    """Set points over the ranges in which a linear controller holds a non-linear plant."""
     trial.set_points = [
         (trial.outputs[i % 2], trial.plant.settling * (i + 0.6),
-         trial.random.uniform(-0.1, 0.05) if i % 2 == 0 else trial.random.uniform(-4, 4))
+         trial.random.uniform(*ranges[i % 2]))
         for i in range(8)]
 
 
-def far_steps(trial):
+def far_steps(trial, steps):
     """Two windows, far from the operating point and from each other."""
-    settling = trial.plant.settling
-    trial.set_points = [("product", 0.2 * settling, trial.random.uniform(-0.12, -0.06)),
-                        ("temperature", 1.6 * settling, trial.random.uniform(2, 4)),
-                        ("product", 2.8 * settling, trial.random.uniform(-0.02, 0.03))]
+    trial.set_points = [
+        (trial.outputs[output], at * trial.plant.settling, trial.random.uniform(*change))
+        for at, (output, change) in zip((0.2, 1.6, 2.8), steps)]
 
 
 def fast_sampling(trial):

@@ -25,7 +25,7 @@ class Trial:
     length: float = None  # of the run, instead of what the steps need
     sensor_lag: tuple = None  # (output, time constant)
     true_gains: dict = dataclasses.field(default_factory=dict)  # factors at the end, by element
-    reactor: dict = None  # how the reactor has aged
+    factors: dict = None  # how a plant with equations has aged
     spoil: list = dataclasses.field(default_factory=list)  # changes of a mistakes.Case, in turn
     codes: tuple = ()  # of the explanations that are true, beside ageing
     where: str = None  # the channel of which they are true
@@ -93,7 +93,7 @@ class Trial:
 
     def ageing_file(self):
         if self.plant.simulated:
-            return self.reactor or {}
+            return self.factors or {}
         return {"elements": self.schedule}
 
     def true_model(self):

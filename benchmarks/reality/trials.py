@@ -80,7 +80,7 @@ def simulate(apps, trial, seed, scratch):
                 f"--seed={seed}", f"--out={scratch}/record.csv")
     if done.exit_code != 0:
         return False
-    return trial.reactor is None or follows(scratch / "record.csv", trial.outputs)
+    return trial.factors is None or follows(scratch / "record.csv", trial.outputs)
 
 
 def drop_set_points(record):

@@ -75,9 +75,9 @@ def paper(form, repeats, arguments):
 def published_trial(case, seed):
     trial = trials.Trial(plants.PLANTS[case.plant], random.Random(seed))
     trial.rounds = 2
-    if case.plant == "reactor":
+    if case.plant in scenarios.NONLINEAR:
         if case.kind == "aged":
-            scenarios.age_reactor(trial)
+            scenarios.age_nonlinear(trial, scenarios.NONLINEAR[case.plant])
     elif case.kind == "aged":
         ageing.AGEING[case.name](trial)
     return trial

@@ -26,8 +26,8 @@ def simulate(
     """The record that a historian would have of a plant under predictive control.
 
     ``model`` is what the controller believes, ``plant`` what is true: a model with
-    the same channels, each an object or the path of a file, or as plant
-    "van_de_vusse", the non-linear reactor; None: ``model`` itself. ``options`` are
+    the same channels, each an object or the path of a file, or as plant the name of
+    a non-linear one, as "van_de_vusse"; None: ``model`` itself. ``options`` are
     those of the command mle_simulate, with the same names, meaning and defaults
     (:func:`simulate_options` prints them), as
     ``setpoints=[("overhead", 300, 1)]``, ``duration``, ``sample_time``, ``seed`` and

@@ -33,7 +33,7 @@ struct SimulateCall {
   SimulateCall() { simulate::AddOptions(request, table); }
 };
 
-// A plant by name is the reactor of mle_simulate.
+// A plant by name is a non-linear one of mle_simulate, or a file.
 std::shared_ptr<SimulateCall> PrepareSimulation(const py::object& model,
                                                 const py::object& plant,
                                                 const OptionTexts& options) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -21,6 +22,9 @@ constexpr char kColumn[] = MLE_SOURCE_FOLDER "/configs/wood_berry.json";
 constexpr char kAgedColumn[] =
     MLE_SOURCE_FOLDER "/configs/wood_berry_gain.json";
 constexpr char kReactor[] = MLE_SOURCE_FOLDER "/configs/van_de_vusse.json";
+constexpr char kTanks[] = MLE_SOURCE_FOLDER "/configs/quadruple_tank.json";
+constexpr char kNeutralisation[] =
+    MLE_SOURCE_FOLDER "/configs/ph_neutralisation.json";
 
 constexpr char kTank[] = R"({"name": "tank", "time_unit": "min",
   "inputs": [{"name": "steam", "unit": ""},
@@ -187,6 +191,51 @@ TEST(MleSimulateTest, TheReactorAges) {
   EXPECT_GT(std::abs(feed("200") / before - 1.0), 0.05);
 }
 
+TEST(MleSimulateTest, TheTanksFollowTheLinearControllerOfTheirModel) {
+  const ScratchFolder scratch;
+  const Record record =
+      Simulate(scratch, kTanks,
+               {"--plant=quadruple_tank", "--sample_time=2",
+                "--control_period=4", "--prediction_horizon=40",
+                "--duration=1200", "--noise_variance=0", "--output_weight=1",
+                "--move_weight=1", "--setpoints=level1:100:3,level2:600:-3"});
+  EXPECT_NEAR(MeanOfLast(record.outputs, 0, 10), 3.0, 1e-2);
+  EXPECT_NEAR(MeanOfLast(record.outputs, 1, 10), -3.0, 1e-2);
+}
+
+TEST(MleSimulateTest, TheNeutralisationFollowsTheLinearControllerOfItsModel) {
+  const ScratchFolder scratch;
+  const Record record =
+      Simulate(scratch, kNeutralisation,
+               {"--plant=ph_neutralisation", "--sample_time=3",
+                "--control_period=6", "--prediction_horizon=40",
+                "--duration=2400", "--noise_variance=0", "--output_weight=1,10",
+                "--move_weight=1", "--setpoints=level:100:1.5,pH:900:-0.7"});
+  EXPECT_NEAR(MeanOfLast(record.outputs, 0, 10), 1.5, 1e-2);
+  EXPECT_NEAR(MeanOfLast(record.outputs, 1, 10), -0.7, 1e-2);
+}
+
+// A pump that lifts 0.8 of what it did needs 1 / 0.8 of the voltage: at rest
+// there, the loop moves as if new, by 1 / 0.8 as much.
+TEST(MleSimulateTest, TheTanksAge) {
+  const ScratchFolder scratch;
+  const std::string ageing =
+      scratch.Write("ageing.json", R"({"pump1": [[0, 1.0], [10, 0.8]]})");
+  const auto voltage = [&](const std::string& age, const std::string& inputs) {
+    return Simulate(
+               scratch, kTanks,
+               {"--plant=quadruple_tank", "--ageing=" + ageing, "--age=" + age,
+                "--operating_inputs=" + inputs, "--sample_time=2",
+                "--control_period=4", "--prediction_horizon=40",
+                "--duration=1000", "--noise_variance=0", "--output_weight=1",
+                "--move_weight=1", "--setpoints=level1:100:2"})
+        .inputs(0, 490);
+  };
+  const double fresh = voltage("-5000", "3,3");
+  EXPECT_GT(fresh, 0.3);
+  EXPECT_NEAR(voltage("200", "3.75,3") / fresh, 1.25, 1e-3);
+}
+
 // Effects of one channel by name; the same seed gives the same bytes.
 TEST(MleSimulateTest, EffectsComeFromAFile) {
   const ScratchFolder scratch;
@@ -278,6 +327,27 @@ TEST(MleSimulateTest, BadInputIsRefusedInOneLine) {
         << result.err;
     EXPECT_THAT(result.err, HasSubstr(bad.named));
     EXPECT_FALSE(std::filesystem::exists(scratch / "run.csv"));
+  }
+}
+
+TEST(MleSimulateTest, ANonLinearPlantNamesWhatItCannotDo) {
+  const ScratchFolder scratch;
+  const std::string split =
+      scratch.Write("split.json", R"({"split1": [[0, 1], [9, 1.5]]})");
+  const std::string reactor =
+      scratch.Write("reactor.json", R"({"activity": 0.9})");
+  for (const auto& [flag, named] :
+       {std::pair<std::string, std::string>(
+            "--operating_inputs=3",
+            "--operating_inputs=3: pump1 (V) and pump2 (V) are needed"),
+        {"--operating_inputs=3,-1", "--plant: voltage2 = -1"},
+        {"--ageing=" + split, "--plant: split1 = 0.7 becomes 1.05"},
+        {"--ageing=" + reactor, "unknown key \"activity\""}}) {
+    const report::ProcessResult result =
+        RunTested({"--model=" + std::string(kTanks), "--plant=quadruple_tank",
+                   "--out=" + scratch / "run.csv", flag});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr(named));
   }
 }
 

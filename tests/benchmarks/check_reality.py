@@ -15,9 +15,9 @@ sys.path.insert(0, str(source / "benchmarks/reality"))
 import adversary  # noqa: E402
 import effects  # noqa: E402
 import hardware  # noqa: E402
+import linearise  # noqa: E402
 import mistakes  # noqa: E402
 import plants  # noqa: E402
-import reactor  # noqa: E402
 import scenarios  # noqa: E402
 import tables  # noqa: E402
 from trial import Trial  # noqa: E402
@@ -41,12 +41,42 @@ def value_at(element, s):
     return polynomial(element["numerator"]) / polynomial(element["denominator"])
 
 
-def the_reactor_is_that_of_its_file():
-    for ours, given in zip(reactor.model()["elements"],
-                           plants.PLANTS["reactor"].read()["elements"]):
-        for key in ("numerator", "denominator"):
-            padded = [0.0] * (len(ours[key]) - len(given[key])) + given[key]
-            close(ours[key], padded, 1e-6)
+def plants_with_equations_are_those_of_their_files():
+    for name, equations in scenarios.NONLINEAR.items():
+        plant = plants.PLANTS[name]
+        for ours, given in zip(linearise.model(plant, equations)["elements"],
+                               plant.read()["elements"]):
+            for key in ("numerator", "denominator", "gain", "time_constant"):
+                assert (key in ours) == (key in given), (name, ours, given)
+                if isinstance(given.get(key), list):
+                    close(ours[key], given[key], 1e-6)
+                elif key in given:
+                    close([ours[key]], [given[key]], 1e-6)
+
+
+def states_that_nothing_reaches_are_left_out():
+    """(s + 3)⁻¹ of three states, two of which do nothing for the output."""
+    A = [[-3.0, 0.0, 0.0], [2.0, -1.0, 0.0], [0.0, 0.0, -0.5]]
+    A_reached, b, c = linearise.reached(A, [2.0, 0.0, 0.0], [1.0, 0.0, 4.0])
+    assert len(A_reached) == 2
+    A_seen, c, b = linearise.reached(linearise.transposed(A_reached), c, b)
+    numerator, denominator = linearise.transfer_function(linearise.transposed(A_seen), b, c)
+    close(numerator, [2.0 / 3.0], 1e-12)
+    close(denominator, [1.0 / 3.0, 1.0], 1e-12)
+
+
+def aged_plants_are_held_where_they_were():
+    for equations in scenarios.NONLINEAR.values():
+        state, inputs = linearise.at_rest(equations)
+        factors = {name: low for name, (low, _) in equations.AGEING.items()}
+        aged_state, aged_inputs = linearise.at_rest(equations, **factors)
+        kept = [(state[i], aged_state[i]) for i in equations.OUTPUTS]
+        if not equations.HELD:
+            kept = list(zip(inputs, aged_inputs))
+        close(*map(list, zip(*kept)), 1e-9)
+        rates = equations.derivative(aged_state, aged_inputs, **factors)
+        assert max(map(abs, rates)) < 1e-9, equations
+        assert aged_state != state
 
 
 def elements_age_as_said():
@@ -226,7 +256,9 @@ def mistakes_and_adversaries_are_run(folder):
         assert (row["decision"] == "corrected") == ("--group=adversary" in flags), row
 
 
-the_reactor_is_that_of_its_file()
+plants_with_equations_are_those_of_their_files()
+states_that_nothing_reaches_are_left_out()
+aged_plants_are_held_where_they_were()
 elements_age_as_said()
 inputs_of_a_diagonal_plant()
 a_first_order_response_is_simulated()

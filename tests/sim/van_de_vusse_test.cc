@@ -1,13 +1,12 @@
 #include "sim/van_de_vusse.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "Eigen/Eigenvalues"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/model/process_model.h"
 #include "sim/steady_state.h"
+#include "tests/sim/nonlinear_plants.h"
 
 namespace mle::sim {
 namespace {
@@ -15,20 +14,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
+using ::mle::testing::ExpectLinearisedAs;
+using ::mle::testing::Hold;
+using ::mle::testing::MadeSystem;
+using ::mle::testing::PlantOf;
 using ::testing::HasSubstr;
 
 ContinuousSystem Reactor(const VanDeVusseOptions& options = {}) {
-  absl::StatusOr<ContinuousSystem> system = MakeVanDeVusseReactor(options);
-  EXPECT_TRUE(system.ok()) << system.status();
-  return *std::move(system);
-}
-
-ContinuousPlant MakeReactor(const ContinuousSystem& system,
-                            double sample_time) {
-  absl::StatusOr<ContinuousPlant> plant =
-      ContinuousPlant::Create(system, {.sample_time = sample_time});
-  EXPECT_TRUE(plant.ok()) << plant.status();
-  return *std::move(plant);
+  return MadeSystem(MakeVanDeVusseReactor(options));
 }
 
 // The operating point as published, to the digits given there.
@@ -42,8 +35,8 @@ TEST(VanDeVusseTest, SteadyStateIsThePublishedOne) {
 
 TEST(VanDeVusseTest, StaysAtItsSteadyState) {
   for (const double feed : {5.0, 14.19, 25.0}) {
-    ContinuousPlant plant = MakeReactor(Reactor({.feed = feed}), 0.01);
-    for (int k = 0; k < 200; ++k) plant.Advance(Vector2d::Zero());
+    ContinuousPlant plant = PlantOf(Reactor({.feed = feed}), 0.01);
+    Hold(plant, Vector2d::Zero(), 200);
     // The steady state is solved for to rounding, and stable.
     EXPECT_LE(plant.outputs().cwiseAbs().maxCoeff(), 1e-9) << feed;
   }
@@ -59,13 +52,13 @@ TEST(VanDeVusseTest, SteadyStateIsStable) {
 // Far from the steady state, against SciPy 1.10's DOP853 at tolerances of
 // 1e-13: the feed raised by 3 for 0.2 h, then the cooling by 500 for 0.3 h.
 TEST(VanDeVusseTest, LargeStepsAgreeWithAnEighthOrderIntegrator) {
-  ContinuousPlant plant = MakeReactor(Reactor(), 0.01);
-  for (int k = 0; k < 20; ++k) plant.Advance(Vector2d(3.0, 0.0));
+  ContinuousPlant plant = PlantOf(Reactor(), 0.01);
+  Hold(plant, Vector2d(3.0, 0.0), 20);
   const Vector4d after_feed(2.3613957533124275, 1.0847645390439327,
                             114.06961806209742, 112.77114522497854);
   // Steps of 0.02 of the fastest time constant: below 1e-8 of the change.
   EXPECT_LE((plant.state() - after_feed).cwiseAbs().maxCoeff(), 1e-8);
-  for (int k = 0; k < 30; ++k) plant.Advance(Vector2d(3.0, -500.0));
+  Hold(plant, Vector2d(3.0, -500.0), 30);
   const Vector4d after_heat(2.435042321219903, 1.0759811779222266,
                             112.97565020033538, 111.11838669396758);
   EXPECT_LE((plant.state() - after_heat).cwiseAbs().maxCoeff(), 1e-8);
@@ -74,8 +67,8 @@ TEST(VanDeVusseTest, LargeStepsAgreeWithAnEighthOrderIntegrator) {
 // More feed makes more B at low feed, less at high feed.
 TEST(VanDeVusseTest, GainOfTheFeedTurnsItsSign) {
   const auto change = [](double feed) {
-    ContinuousPlant plant = MakeReactor(Reactor({.feed = feed}), 0.01);
-    for (int k = 0; k < 300; ++k) plant.Advance(Vector2d(0.1, 0.0));
+    ContinuousPlant plant = PlantOf(Reactor({.feed = feed}), 0.01);
+    Hold(plant, Vector2d(0.1, 0.0), 300);
     return plant.outputs()[0];
   };
   EXPECT_GT(change(8.0), 1e-3);
@@ -88,38 +81,18 @@ TEST(VanDeVusseTest, AgesToTheSteadyStateOfSpentCatalyst) {
   absl::StatusOr<Schedule> activity =
       Schedule::Create({{0.0, 1.0}, {2.0, 0.9}});
   ASSERT_TRUE(activity.ok());
-  ContinuousPlant plant = MakeReactor(Reactor({.activity = *activity}), 0.01);
-  for (int k = 0; k < 500; ++k) plant.Advance(Vector2d::Zero());
+  ContinuousPlant plant = PlantOf(Reactor({.activity = *activity}), 0.01);
+  Hold(plant, Vector2d::Zero(), 500);
   const VectorXd spent = Reactor({.activity = Schedule(0.9)}).initial_state;
   EXPECT_LE((plant.state() - spent).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_GT(spent[0], 2.2);  // More A is left over.
 }
 
-// The process model in configs/, which is the reactor linearised at a feed of
-// 8: alike for small steps, the closer the smaller.
+// Its process model is that at a feed of 8.
 TEST(VanDeVusseTest, SmallStepsAreThoseOfItsProcessModel) {
-  const absl::StatusOr<ProcessModel> model =
-      ReadProcessModel(MLE_CONFIGS_FOLDER "/van_de_vusse.json");
-  ASSERT_TRUE(model.ok()) << model.status();
-  const auto distance = [&](const Vector2d& step) {
-    const int samples = 101;
-    const StepResponse linear = model->ComputeStepResponse(0.005, samples);
-    ContinuousPlant plant = MakeReactor(Reactor({.feed = 8.0}), 0.005);
-    double worst = 0.0;
-    for (int k = 0; k < samples; ++k) {
-      for (int i = 0; i < 2; ++i) {
-        const double expected = linear.element(i, 0)[k] * step[0] +
-                                linear.element(i, 1)[k] * step[1];
-        worst = std::max(worst, std::abs(plant.outputs()[i] - expected));
-      }
-      plant.Advance(step);
-    }
-    return worst;
-  };
-  // What is left is of the second order in the step.
   for (const Vector2d& step : {Vector2d(0.1, 0.0), Vector2d(0.0, 20.0)}) {
-    EXPECT_LE(distance(step), 5e-3);
-    EXPECT_NEAR(distance(step) / distance(0.1 * step), 100.0, 5.0);
+    ExpectLinearisedAs("van_de_vusse.json", Reactor({.feed = 8.0}), 0.005, step,
+                       5e-3);
   }
 }
 
