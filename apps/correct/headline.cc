@@ -210,9 +210,9 @@ std::string SignNote(const Result& result) {
                                         .gain;
     if (!HasMoved(gain) || !(gain.value * gain.initial < 0.0)) continue;
     return absl::StrCat(
-        "Ageing hardly turns a sign: check whether that of ",
+        "A change of sign is unlikely to be ageing: check the sign of ",
         PairName(result.initial, change.output, change.input),
-        " was mistyped in the controller's model, or is turned in a tag.");
+        " in the controller's model and in its tags.");
   }
   return "";
 }

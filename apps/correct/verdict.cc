@@ -112,8 +112,10 @@ std::string WhatToDo(const Result& result) {
       return absl::StrCat("Keep the controller's model. ", MainReason(result));
     case Decision::kCorrected:
       return absl::StrCat(
-          "Use the corrected model in the controller: the model has aged (", p,
-          " for no change)", WhereMost(result), ".");
+          "Use the corrected model in the controller: ",
+          result.curves.empty() ? "the model has aged"
+                                : "its gains depend on the operating point",
+          " (", p, " for no change)", WhereMost(result), ".");
     case Decision::kCannotTell:
       return absl::StrCat(
           "Keep the controller's model for now: whether it has aged cannot be "

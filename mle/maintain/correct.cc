@@ -25,10 +25,11 @@ namespace {
 // Curves of a channel that are put one upon the other, at most.
 constexpr int kMostCurved = 3;
 
-absl::StatusOr<CorrectionResult> CorrectBent(const ProcessModel& model,
-                                             RecordData data,
-                                             const CorrectOptions& options,
-                                             int rounds);
+// The correction within the curves that model and records hold; nothing where
+// it leaves doubt of outputs that they act on.
+absl::StatusOr<std::optional<CorrectionResult>> CorrectBent(
+    const ProcessModel& model, RecordData data, const CorrectOptions& options,
+    const std::vector<FoundCurve>& held, int rounds);
 
 absl::Status NotPositive(const char* field, double value) {
   return absl::InvalidArgumentError(absl::StrCat(
@@ -60,40 +61,51 @@ absl::StatusOr<Validation> Judge(const Candidates& candidates) {
                            options.progress);
 }
 
-// Whether an output that a curve acts on is in doubt.
-bool IsDoubtful(const CorrectionResult& result, const FoundCurve& curve) {
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+// Whether reasons are told of an output that a curve acts on.
+bool IsDoubtful(const ProcessModel& model, const std::vector<Message>& reasons,
+                const FoundCurve& curve) {
+  for (int i = 0; i < model.num_outputs(); ++i) {
     if (curve.is_output ? i != curve.channel
-                        : result.initial.element(i, curve.channel).IsZero()) {
+                        : model.element(i, curve.channel).IsZero()) {
       continue;
     }
-    const std::string& name = result.initial.outputs()[i].name;
-    for (const Message& reason : result.reasons) {
+    const std::string& name = model.outputs()[i].name;
+    for (const Message& reason : reasons) {
       if (reason.place == name) return true;
     }
   }
   return false;
 }
 
+// What is decided of a model that holds curves: it is another one, whether its
+// elements have changed or not; nothing where outputs that a curve acts on are
+// in doubt.
+std::optional<Verdict> OfCurves(const ProcessModel& model, Verdict verdict,
+                                const std::vector<FoundCurve>& held) {
+  if (held.empty() || verdict.decision == Decision::kCorrected) return verdict;
+  if (verdict.decision == Decision::kNoChange) verdict.reasons.clear();
+  for (const FoundCurve& curve : held) {
+    if (IsDoubtful(model, verdict.reasons, curve)) return std::nullopt;
+  }
+  verdict.decision = Decision::kCorrected;
+  std::fill(verdict.outputs.begin(), verdict.outputs.end(),
+            Acceptance::kNothing);
+  return verdict;
+}
+
 // What the elements are between the variables that curves make linear; nothing
-// where the records have no such values, or leave doubt of outputs that a curve
-// acts on.
+// where the records have no such values, or leave doubt.
 absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
     const Candidates& candidates, const std::vector<FoundCurve>& curves,
     int rounds) {
   absl::StatusOr<BentPlant> bent =
       WithCurves(candidates.initial, candidates.data, curves);
   if (!bent.ok()) return std::optional<CorrectionResult>();
-  MLE_ASSIGN_OR_RETURN(CorrectionResult result,
+  MLE_ASSIGN_OR_RETURN(std::optional<CorrectionResult> within,
                        CorrectBent(bent->model, std::move(bent->data),
-                                   candidates.options, rounds));
-  if (result.decision == Decision::kCannotTell) {
-    for (const FoundCurve& curve : curves) {
-      if (IsDoubtful(result, curve)) return std::optional<CorrectionResult>();
-    }
-  }
-  if (result.decision == Decision::kNoChange) result.reasons.clear();
-  result.decision = Decision::kCorrected;
+                                   candidates.options, curves, rounds));
+  if (!within.has_value()) return within;
+  CorrectionResult& result = *within;
   // One reason for each channel, whatever the rounds in which it was found.
   result.curves = Upon(curves, std::move(result.curves));
   std::erase_if(result.reasons, [](const Message& reason) {
@@ -121,29 +133,32 @@ absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
     std::vector<TakenExplanation>& taken = result.explanations[i].taken;
     taken.insert(taken.begin(), all.begin(), all.end());
   }
-  return std::optional<CorrectionResult>(std::move(result));
+  return within;
 }
 
-// The correction of a plant whose curves, so many times at most, are put into
-// the model that is corrected.
-absl::StatusOr<CorrectionResult> CorrectBent(const ProcessModel& model,
-                                             RecordData data,
-                                             const CorrectOptions& options,
-                                             int rounds) {
+// Further curves, so many at most, are put into the model that is corrected.
+absl::StatusOr<std::optional<CorrectionResult>> CorrectBent(
+    const ProcessModel& model, RecordData data, const CorrectOptions& options,
+    const std::vector<FoundCurve>& held, int rounds) {
   MLE_ASSIGN_OR_RETURN(Candidates candidates,
                        FindCandidates(model, std::move(data), options));
   MLE_ASSIGN_OR_RETURN(Validation validation, Judge(candidates));
-  Verdict verdict =
+  const Verdict verdict =
       Decide(GatherEvidence(candidates, validation), options.decision);
   const std::vector<FoundCurve> curves =
       rounds > 0 ? CurvesToHold(candidates) : std::vector<FoundCurve>();
   if (!curves.empty()) {
     MLE_ASSIGN_OR_RETURN(std::optional<CorrectionResult> within,
                          CorrectWithin(candidates, curves, rounds - 1));
-    if (within.has_value()) return *std::move(within);
+    if (within.has_value()) return within;
   }
-  return BuildResult(std::move(candidates), std::move(validation),
-                     std::move(verdict));
+  std::optional<Verdict> decided = OfCurves(model, verdict, held);
+  if (!decided.has_value()) return std::optional<CorrectionResult>();
+  MLE_ASSIGN_OR_RETURN(
+      CorrectionResult result,
+      BuildResult(std::move(candidates), std::move(validation),
+                  *std::move(decided)));
+  return std::optional<CorrectionResult>(std::move(result));
 }
 
 RecordOptions RecordOptionsOf(const CorrectOptions& options) {
@@ -221,7 +236,10 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   if (data.windows.empty()) {
     return absl::InvalidArgumentError("there are no windows");
   }
-  return CorrectBent(model, std::move(data), options, kMostCurved);
+  MLE_ASSIGN_OR_RETURN(
+      std::optional<CorrectionResult> result,
+      CorrectBent(model, std::move(data), options, {}, kMostCurved));
+  return *std::move(result);
 }
 
 double DetectableGain(const CorrectionResult& result, int i, int j) {

@@ -65,6 +65,9 @@ TEST(CurvesHeldTest, ACurveOfAnInputIsPutIntoTheModel) {
     EXPECT_NEAR(result.model.element(i, j).StaticGain(),
                 TwoLoops().element(i, j).StaticGain(),
                 0.12 * std::abs(TwoLoops().element(i, j).StaticGain()));
+    // None is said to have changed that is kept.
+    EXPECT_EQ(result.estimate.fit.output_error.aged(i, j),
+              result.change.elements(i, j) > 0.0);
   }
 }
 
