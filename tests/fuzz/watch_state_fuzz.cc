@@ -132,7 +132,7 @@ void TryFile(std::string_view bytes) {
 // What is read of the values of a state is written so that it can be read.
 void TryValues(std::string_view bytes) {
   if (const auto batch = DecodeBatch(bytes, 0, 1); batch.ok()) {
-    FUZZ_EXPECT(EncodeBatch(*batch) == bytes);
+    FUZZ_EXPECT(DecodeBatch(EncodeBatch(*batch), 0, 1).ok());
   }
   if (const auto trial = DecodeTrial(bytes); trial.ok()) {
     FUZZ_EXPECT(DecodeTrial(EncodeTrial(*trial)).ok());
