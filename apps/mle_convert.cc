@@ -1,6 +1,7 @@
 // mle_convert: a model from one form to another, with the error.
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <map>
 #include <string>
@@ -159,23 +160,30 @@ void PrintRange(const ProcessModel& model) {
   const auto print = [](const std::string& name, const Transform& transform,
                         bool is_output) {
     if (transform.IsNone()) return;
-    double low = transform.low;
-    double high = transform.high;
+    // Half of the way to where the curve ends or its gain has changed by e.
+    const double half =
+        0.5 * (transform.curvature != 0.0 ? 1.0 / transform.curvature
+                                          : transform.at - transform.zero);
+    double low = transform.at - std::abs(half);
+    double high = transform.at + std::abs(half);
     if (!transform.points.empty()) {
       low = transform.points.front().first;
       high = transform.points.back().first;
-    } else if (!(high > low)) {
-      low = 0.5 * transform.at;
-      high = 1.5 * transform.at;
+    } else if (transform.high > transform.low) {
+      low = transform.low;
+      high = transform.high;
     }
-    const auto gain = [&](double value) {
+    std::vector<std::string> gains;
+    for (const double value : {low, high}) {
       const double slope = transform.Slope(value);
-      return is_output ? 1.0 / slope : slope;
-    };
+      if (!(slope > 0.0 && std::isfinite(slope))) continue;  // a closed valve
+      gains.push_back(absl::StrFormat("× %.3g at %.4g",
+                                      is_output ? 1.0 / slope : slope, value));
+    }
     std::cout << absl::StrFormat(
         "note: a linear model at one point: relative to %s = %.4g its gains "
-        "are × %.3g at %.4g and × %.3g at %.4g\n",
-        name, transform.at, gain(low), low, gain(high), high);
+        "are %s\n",
+        name, transform.at, absl::StrJoin(gains, " and "));
   };
   for (const InputChannel& input : model.inputs()) {
     print(input.name, input.transform, false);

@@ -23,9 +23,9 @@ absl::Status CheckWithin(const std::vector<Channel>& channels,
     if (std::isfinite(values[i]) && std::abs(values[i]) <= limits[i]) continue;
     return absl::FailedPreconditionError(absl::StrCat(
         "the closed loop diverges: ", kind, " '", channels[i].name, "' is ",
-        std::isnan(values[i]) ? absl::StrCat("not a number at time ", time)
-                              : absl::StrCat(values[i], " at time ", time,
-                                             ", beyond ±", limits[i]),
+        std::isfinite(values[i]) ? absl::StrCat(values[i], " at time ", time,
+                                                ", beyond ±", limits[i])
+                                 : absl::StrCat("not a number at time ", time),
         "; the controller does not stabilise this plant"));
   }
   return absl::OkStatus();

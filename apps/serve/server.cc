@@ -194,17 +194,13 @@ class MicroServer : public Server {
 
   void Stop() override {
     if (daemon_ == nullptr) return;
-    stopping_ = true;
-    // Closed once no thread may still ask it for connections.
-    const int listening = MHD_quiesce_daemon(daemon_);
-    shutdown(listening, SHUT_RDWR);
+    stopping_ = true;  // Accept() takes nobody any more
     const Peers::Clock::time_point end = Peers::Clock::now() + kLastAnswers;
     while (peers_.IsAnyAnswered() && Peers::Clock::now() < end) {
       absl::SleepFor(absl::Milliseconds(5));
     }
     MHD_stop_daemon(daemon_);
     daemon_ = nullptr;
-    close(listening);
     watch_.join();
   }
 
@@ -220,13 +216,12 @@ class MicroServer : public Server {
     // With poll() each thread looks at all that its connections have sent at
     // every event.
     return MHD_start_daemon(
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ITC, 0, nullptr, nullptr,
-        &Answer, this, MHD_OPTION_LISTEN_SOCKET, listening,
-        MHD_OPTION_THREAD_POOL_SIZE, std::min<unsigned>(kThreads, connections),
-        MHD_OPTION_CONNECTION_LIMIT, connections,
-        MHD_OPTION_PER_IP_CONNECTION_LIMIT, connections - connections / 6,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, kPool,
-        MHD_OPTION_CONNECTION_TIMEOUT,
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_USE_ITC, 0, &Accept, this, &Answer,
+        this, MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_THREAD_POOL_SIZE,
+        std::min<unsigned>(kThreads, connections), MHD_OPTION_CONNECTION_LIMIT,
+        connections, MHD_OPTION_PER_IP_CONNECTION_LIMIT,
+        connections - connections / 6, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        kPool, MHD_OPTION_CONNECTION_TIMEOUT,
         static_cast<unsigned>(absl::ToInt64Seconds(
             absl::Ceil(options_.stall_time, absl::Seconds(1)))),
         MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_URI_LOG_CALLBACK, &Begin,
@@ -240,6 +235,14 @@ class MicroServer : public Server {
       peers_.CutLate();
       absl::SleepFor(absl::Milliseconds(50));
     }
+  }
+
+  // The library's own way to take no more connections, MHD_quiesce_daemon(),
+  // removes the socket from a thread's epoll set at the same time as that
+  // thread may, and ends the program where both do.
+  static MHD_Result Accept(void* server, const sockaddr* /*address*/,
+                           socklen_t /*size*/) {
+    return static_cast<MicroServer*>(server)->stopping_ ? MHD_NO : MHD_YES;
   }
 
   static void NotifyConnection(void* server, MHD_Connection* connection,

@@ -50,6 +50,7 @@ class TrialReader {
   explicit TrialReader(std::string_view bytes)
       : numbers_(bytes.size() / sizeof(double)),
         sound_(bytes.size() % sizeof(double) == 0) {
+    if (numbers_.empty()) return;  // nor has data() a place
     std::memcpy(numbers_.data(), bytes.data(),
                 numbers_.size() * sizeof(double));
   }

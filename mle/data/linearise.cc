@@ -17,10 +17,13 @@ absl::Status CheckRow(const Eigen::MatrixXd& values, int row,
                       const ProcessModel& model, const Record& record) {
   for (Index k = 0; k < values.cols(); ++k) {
     const double x = values(row, k);
-    if (!std::isfinite(x) || transform.Holds(x)) continue;
+    if (!std::isfinite(x) || std::abs(transform.Linear(x)) <= kLargestSample) {
+      continue;
+    }
     return InvalidArgument(absl::StrFormat(
-        "%s is %.6g at %.6g %s, where its transform (%s) has no value; mark "
-        "such samples as bad, or give it a transform that holds them",
+        "%s is %.6g at %.6g %s, where its transform (%s) has no value that can "
+        "be used; mark such samples as bad, or give it a transform that holds "
+        "them",
         name, x, record.time(static_cast<int>(k)), model.time_unit(),
         transform.Description()));
   }

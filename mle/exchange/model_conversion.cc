@@ -122,6 +122,7 @@ class Converter {
   absl::Status ToElementTable();
   absl::Status ToStepResponses();
   absl::Status CheckText() const;
+  absl::Status CheckRead(const absl::Status& read) const;
   absl::Status ToDiscrete();
   absl::Status ToStateSpace();
   // The responses of a file that is sampled, or discrete, where `interval` is a
@@ -236,8 +237,19 @@ StepResponseModel Converter::Sampled() {
   return steps;
 }
 
+absl::Status Converter::CheckRead(const absl::Status& read) const {
+  if (read.ok()) return read;
+  return InvalidArgument(
+      "the model in this form",
+      result_.interval > 0.0 ? absl::StrCat(", every ", result_.interval, " ",
+                                            model_.time_unit(), ",")
+                             : "",
+      " could not be read again: ", absl::StripPrefix(read.message(), "it: "));
+}
+
 absl::Status Converter::Write(const StepResponseModel& steps) {
   if (to_.type == ModelFileType::kMat) {
+    MLE_RETURN_IF_ERROR(CheckRead(OfStepResponses(steps, "it").status()));
     MLE_ASSIGN_OR_RETURN(result_.text, FormatMat(steps));
   } else if (to_.type == ModelFileType::kCsv) {
     result_.text = FormatStepResponseCsv(steps);
@@ -269,19 +281,11 @@ absl::Status Converter::ToStepResponses() {
 
 // Checks that the text can be read again. A model that was near noisy step
 // responses may be sampled to ones that no description is near, and not every
-// form can hold every name. MAT files hold what they are given.
+// form can hold every name. MAT files hold the names that they are given.
 absl::Status Converter::CheckText() const {
   if (to_.type == ModelFileType::kMat) return absl::OkStatus();
   const absl::StatusOr<ModelFile> read = ParseModelFile(result_.text, "it");
-  if (!read.ok()) {
-    return InvalidArgument("the model in this form",
-                           result_.interval > 0.0
-                               ? absl::StrCat(", every ", result_.interval, " ",
-                                              model_.time_unit(), ",")
-                               : "",
-                           " could not be read again: ",
-                           absl::StripPrefix(read.status().message(), "it: "));
-  }
+  MLE_RETURN_IF_ERROR(CheckRead(read.status()));
   const auto same = [](const auto& ours, const auto& theirs) {
     return ours.name == theirs.name && ours.unit == theirs.unit;
   };

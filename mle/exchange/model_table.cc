@@ -99,20 +99,27 @@ absl::Status ModelTableReader::ReadChannel(const TableLine& line,
 
 absl::Status ModelTableReader::ReadTransform(const TableLine& line) {
   MLE_ASSIGN_OR_RETURN(Transform transform, ReadTransformLine(table_, line));
-  const auto place = [&](auto& channels) {
+  Transform* given = nullptr;
+  const auto find = [&](auto& channels) {
     for (auto& channel : channels) {
-      if (channel.name != line.fields[1]) continue;
-      channel.transform = transform;
-      return true;
+      if (channel.name == line.fields[1]) given = &channel.transform;
     }
-    return false;
   };
-  if (place(table_.inputs) || place(table_.outputs)) return absl::OkStatus();
-  return table_.Fault(
-      line.line,
-      absl::StrCat("the transform is of '", ShowCsvText(line.fields[1]),
-                   "', which no line of an input or output above "
-                   "names"));
+  find(table_.inputs);
+  find(table_.outputs);
+  const std::string name = ShowCsvText(line.fields[1]);
+  if (given == nullptr) {
+    return table_.Fault(line.line,
+                        absl::StrCat("the transform is of '", name,
+                                     "', which no line of an input or output "
+                                     "above names"));
+  }
+  if (!given->IsNone()) {
+    return table_.Fault(line.line,
+                        absl::StrCat("a second transform of '", name, "'"));
+  }
+  *given = std::move(transform);
+  return absl::OkStatus();
 }
 
 absl::Status ModelTableReader::ReadHeadLine(TableLine line) {

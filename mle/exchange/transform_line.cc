@@ -1,6 +1,7 @@
 #include "mle/exchange/transform_line.h"
 
 #include <cstddef>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
@@ -20,6 +21,7 @@ absl::StatusOr<Transform> ReadTransformLine(const ModelTable& table,
                        "numbers, as transform,steam,log,at,4.2");
   }
   nlohmann::json json = {{"kind", fields[2]}};
+  nlohmann::json points;
   const auto number = [&](std::size_t column) -> absl::StatusOr<double> {
     if (column >= fields.size()) {
       return table.Fault(line.line,
@@ -32,15 +34,20 @@ absl::StatusOr<Transform> ReadTransformLine(const ModelTable& table,
   for (std::size_t column = 3; column < fields.size();) {
     const std::string& key = fields[column];
     MLE_ASSIGN_OR_RETURN(const double value, number(column + 1));
-    column += 2;
-    if (key != "point") {
-      json[key] = value;
+    if (key == "point") {
+      MLE_ASSIGN_OR_RETURN(const double transformed, number(column + 2));
+      points.push_back({value, transformed});
+      column += 3;
       continue;
     }
-    MLE_ASSIGN_OR_RETURN(const double transformed, number(column));
-    ++column;
-    json["points"].push_back({value, transformed});
+    if (key == "points" || !json.emplace(key, value).second) {
+      return table.Fault(
+          line, static_cast<int>(column),
+          key == "points" ? "a point is point,x,f" : "the key is given twice");
+    }
+    column += 2;
   }
+  if (!points.is_null()) json["points"] = std::move(points);
   return ParseTransform(
       JsonNode(json, absl::StrCat(table.source, ": line ", line.line,
                                   ": transform of ", ShowCsvText(fields[1]))));

@@ -1,6 +1,7 @@
 #include "mle/model/process_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <set>
 #include <utility>
@@ -77,7 +78,7 @@ absl::StatusOr<Eigen::VectorXd> SlopesAt(const std::vector<Channel>& channels,
     if (value == left.end()) continue;
     const Transform& transform = channels[i].transform;
     const double slope = transform.Slope(value->second);
-    if (!(slope > 0.0)) {
+    if (!(slope > 0.0 && std::isfinite(slope))) {
       return InvalidArgument(channels[i].name, " = ", value->second,
                              ": its transform (", transform.Description(),
                              ") has no value there");
@@ -216,6 +217,7 @@ absl::StatusOr<ProcessModel> LinearAt(
     linear.element(i, j) =
         TransferFunction(std::move(numerator), g.denominator(), g.delay());
   }
+  MLE_RETURN_IF_ERROR(linear.Validate());
   return linear;
 }
 

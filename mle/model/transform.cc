@@ -12,9 +12,22 @@
 namespace mle {
 namespace {
 
-// Beyond these exponents double precision holds no curve.
+// Beyond these double precision holds no curve.
 constexpr double kMostExponent = 100.0;
 constexpr double kMostRangeability = 1e6;
+constexpr double kMostValue = 1e60;   // of a channel, or of f
+constexpr double kMostSlope = 1e100;  // of f, or curvature; least: 1/it
+
+bool IsValue(double x) { return std::abs(x) <= kMostValue; }
+
+bool IsSlope(double x) {
+  return std::abs(x) >= 1.0 / kMostSlope && std::abs(x) <= kMostSlope;
+}
+
+absl::Status CheckValue(const char* name, double x) {
+  if (IsValue(x)) return absl::OkStatus();
+  return InvalidArgument(name, " = ", x, " is beyond ±", kMostValue);
+}
 
 // c of the two kinds that are exponentials.
 double CurvatureOf(const Transform& transform) {
@@ -80,8 +93,8 @@ absl::Status CheckPoints(const Transform& transform) {
                            ", a curve needs at least 2");
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!std::isfinite(points[i].first) || !std::isfinite(points[i].second)) {
-      return InvalidArgument("points[", i, "] is not finite");
+    if (!IsValue(points[i].first) || !IsValue(points[i].second)) {
+      return InvalidArgument("points[", i, "] is beyond ±", kMostValue);
     }
     if (i == 0) continue;
     const auto& [x, f] = points[i];
@@ -93,23 +106,34 @@ absl::Status CheckPoints(const Transform& transform) {
           "]: both numbers must rise from point to point (a curve "
           "that falls is a negative gain of the elements)");
     }
+    if (!IsSlope(SlopeOf(points, i - 1))) {
+      return InvalidArgument("points[", i, "] = [", x, ", ", f, "] after [",
+                             x_before, ", ", f_before,
+                             "]: too steep or too flat to compute with");
+    }
   }
   return absl::OkStatus();
 }
 
 absl::Status CheckCharacteristic(const Transform& transform) {
-  if (!(transform.high > transform.low) || !std::isfinite(transform.high) ||
-      !std::isfinite(transform.low)) {
-    return InvalidArgument("closed at ", transform.low, " and open at ",
-                           transform.high,
-                           ": open must be above closed, both finite");
+  if (!(transform.high > transform.low) || !IsValue(transform.high) ||
+      !IsValue(transform.low)) {
+    return InvalidArgument(
+        "closed at ", transform.low, " and open at ", transform.high,
+        ": open must be above closed, both within ±", kMostValue);
   }
-  if (transform.kind == TransformKind::kEqualPercentage &&
-      (!(transform.rangeability > 1.0) ||
-       transform.rangeability > kMostRangeability)) {
+  if (transform.kind != TransformKind::kEqualPercentage) {
+    return absl::OkStatus();
+  }
+  if (!(transform.rangeability > 1.0) ||
+      transform.rangeability > kMostRangeability) {
     return InvalidArgument("rangeability = ", transform.rangeability,
                            ": it must be above 1, ", kMostRangeability,
                            " at most");
+  }
+  if (!IsSlope(CurvatureOf(transform))) {
+    return InvalidArgument("closed at ", transform.low, " and open at ",
+                           transform.high, ": too near to compute with");
   }
   return absl::OkStatus();
 }
@@ -118,14 +142,16 @@ absl::Status CheckCharacteristic(const Transform& transform) {
 
 absl::Status Transform::Validate() const {
   if (IsNone()) return absl::OkStatus();
-  if (!std::isfinite(at)) return InvalidArgument("at = ", at, " is not finite");
+  MLE_RETURN_IF_ERROR(CheckValue("at", at));
+  MLE_RETURN_IF_ERROR(CheckValue("zero", zero));
   switch (kind) {
     case TransformKind::kExponential:
     case TransformKind::kSinh:
     case TransformKind::kTanh:
-      if (!std::isfinite(curvature) || curvature == 0.0) {
+      if (!IsSlope(curvature)) {
         return InvalidArgument("curvature = ", curvature,
-                               ": it must be finite and not 0");
+                               ": it must not be 0, from ", 1.0 / kMostSlope,
+                               " to ", kMostSlope, " or as much below 0");
       }
       break;
     case TransformKind::kEqualPercentage:
@@ -133,7 +159,7 @@ absl::Status Transform::Validate() const {
       MLE_RETURN_IF_ERROR(CheckCharacteristic(*this));
       break;
     case TransformKind::kPower:
-      if (!(std::abs(exponent) <= kMostExponent) || exponent == 0.0) {
+      if (!(std::abs(exponent) <= kMostExponent) || !IsSlope(exponent)) {
         return InvalidArgument("exponent = ", exponent,
                                ": it must not be 0, and from -", kMostExponent,
                                " to ", kMostExponent);
@@ -143,9 +169,6 @@ absl::Status Transform::Validate() const {
       return CheckPoints(*this);
     default:
       break;
-  }
-  if (!std::isfinite(zero)) {
-    return InvalidArgument("zero = ", zero, " is not finite");
   }
   if (!Holds(at)) {
     return InvalidArgument("at = ", at, ": it must not be at ", ZeroOf(*this),

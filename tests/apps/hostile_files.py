@@ -1,4 +1,5 @@
-"""Files that nobody should give: records with values at the ends of what numbers hold, and what is no record."""
+"""Files that nobody should give: records and curves with values at the ends of what numbers hold, and what is no
+record."""
 
 import functools
 import gzip
@@ -96,6 +97,34 @@ def extreme_record(text, draw):
     if draw.random() < 0.1:
         columns[0] = shifted(columns[0], draw)
     return record_of(header, columns, None if draw.random() < 0.9 else draw.choice([0, 1, 2, 3, 5, 20]))
+
+
+def usual_transform(draw):
+    """Of a channel that moves between -3 and 3."""
+    kind = draw.choice(["log", "power", "exponential", "equal_percentage", "quick_opening", "sinh", "tanh",
+                        "piecewise_linear"])
+    keys = {"log": {"zero": -9}, "power": {"exponent": 2, "zero": -9}, "exponential": {"curvature": 0.1},
+            "equal_percentage": {"rangeability": 30, "closed": -9, "open": 9},
+            "quick_opening": {"closed": -9, "open": 9}, "sinh": {"curvature": draw.choice([-0.2, 0.2])},
+            "tanh": {"curvature": draw.choice([-0.1, 0.1])},
+            "piecewise_linear": {"points": [[-5, -9], [-1, -1], [0.5, 2], [5, 4]]}}
+    return {"kind": kind, "at": 0.1, **keys[kind]}
+
+
+def extreme_transform(draw):
+    """A usual one with one or two numbers that are others, or a point or key too many."""
+    transform = usual_transform(draw)
+    places = [(transform, key) for key, value in transform.items() if isinstance(value, (int, float))]
+    places += [(point, i) for point in transform.get("points", []) for i in (0, 1)]
+    for _ in range(draw.choice([1, 1, 2])):
+        place, key = draw.choice(places)
+        place[key] = draw.choice([0, -place[key], 2 * place[key], 1.0000000000000002, -1e308, 5e-324, power(draw),
+                                  -power(draw)])
+    if "points" in transform and draw.random() < 0.2:
+        transform["points"] *= draw.choice([0, 2])
+    if draw.random() < 0.05:
+        transform[draw.choice(["points", "zero", "curvature", "name"])] = draw.choice([1, [], [[1]], "x", None])
+    return transform
 
 
 @functools.lru_cache

@@ -7,10 +7,11 @@ A case is a usual, small run of a command in which one to three things are other
 that `--help=all` names), or numbers in the files that it reads. They are at the ends of their
 ranges and beyond, no numbers, other texts. `records` in the place of a command are usual runs of
 mle_correct with an extreme record, `files` such of mle_correct and mle_convert with a file that is
-no record and no model (hostile_files.py). A case must end with exit code 0, 1 or 2, and with 2 say
+no record and no model, `transforms` such of what takes models with curves, which are extreme
+(hostile_files.py). A case must end with exit code 0, 1 or 2, and with 2 say
 one line last, which begins with "error: "; it says and writes no NaN and no infinity, and JSON that
 it writes is as docs/schemas say. What runs longer than --patience may have been asked for: it is
-told to stop, twice at most, and must; `records` and `files` must end within a minute. The number of
+told to stop, twice at most, and must; `records`, `files` and `transforms` must end within a minute. The number of
 a case makes it again: `--first=CASE --count=1`, with the same commands.
 
 Memory is limited, so that what is asked for without bounds is refused.
@@ -31,7 +32,7 @@ import sys
 import tempfile
 import time
 
-from hostile_files import extreme_record, in_another_unit, odd_files
+from hostile_files import extreme_record, extreme_transform, in_another_unit, odd_files, usual_transform
 
 try:
     import jsonschema
@@ -204,6 +205,8 @@ class World:
             return self.extreme_case(draw)
         if command == "files":
             return self.odd_case(number)
+        if command == "transforms":
+            return self.transform_case(draw)
         arguments = list(self.usual[command])
         files = {}
         given = dict(argument[2:].split("=", 1) for argument in arguments if "=" in argument)
@@ -236,6 +239,19 @@ class World:
         if kind < 0.6:
             files["model.json"] = with_numbers(model, draw)
         return "correct", self.usual["correct"], files, "extreme"
+
+    def transform_case(self, draw):
+        """A model one or two of whose channels have curves, one of these an extreme one."""
+        model = json.loads((self.folder / "model.json").read_text())
+        channels = draw.sample(model["inputs"] + model["outputs"], draw.choice([1, 1, 2]))
+        for channel in channels:
+            channel["transform"] = usual_transform(draw)
+        if draw.random() < 0.8:
+            channels[0]["transform"] = extreme_transform(draw)
+        command, more = draw.choice([
+            ("simulate", ["--plant="]), ("correct", []), ("convert", ["--form=element_table", "--out=out.csv"]),
+            ("convert", [f"--at={channels[0]['name']}:2"])])
+        return command, [*self.usual[command], *more], {"model.json": json.dumps(model)}, "transforms"
 
     def odd_case(self, number):
         """Each kind of file in each place in turn."""
@@ -349,7 +365,7 @@ def main():
     parser.add_argument("--patience", type=float, default=10.0, help="s, after which a run is ended")
     parser.add_argument("commands", nargs="*", metavar="COMMAND")
     flags = parser.parse_args()
-    commands = flags.commands or [*FILES, "records", "files"]
+    commands = flags.commands or [*FILES, "records", "files", "transforms"]
     first = flags.first if flags.first is not None else time.time_ns() // 1_000_000 * 1000
     begin = time.monotonic()
     codes = {}

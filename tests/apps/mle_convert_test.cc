@@ -14,6 +14,7 @@
 namespace mle {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kConfigs = MLE_SOURCE_FOLDER "/configs/";
@@ -98,6 +99,19 @@ TEST(MleConvertTest, AModelWithTransformsIsLinearAtAPoint) {
       RunTested({model, "--out=" + (scratch / "model.mat")});
   EXPECT_EQ(mat.exit_code, 0) << mat.err;
   EXPECT_THAT(mat.out, HasSubstr("a linear model at one point"));
+  // A closed valve of this kind has no finite gain; a curve may end nearby.
+  const std::string bent = scratch.Write("bent.json", R"({
+      "name": "tank", "time_unit": "min",
+      "inputs": [{"name": "u", "unit": "%", "transform":
+          {"kind": "quick_opening", "closed": 0, "open": 100, "at": 25}}],
+      "outputs": [{"name": "y", "unit": "", "transform":
+          {"kind": "log", "zero": 9, "at": 10}}],
+      "elements": [{"output": "y", "input": "u", "gain": 2, "time_constant": 8,
+                    "delay": 3}]})");
+  EXPECT_THAT(RunTested({"--model=" + bent, "--at=u:25", "--out=" + out}).out,
+              AllOf(HasSubstr("u = 25 its gains are × 0.5 at 100\n"),
+                    HasSubstr("y = 10 its gains are × 0.5 at 9.5 and × 1.5 at "
+                              "10.5\n")));
   EXPECT_THAT(
       RunTested({model, "--at=reflex:95", "--out=" + out}).err,
       HasSubstr("there is no channel 'reflex'; did you mean 'reflux'?"));

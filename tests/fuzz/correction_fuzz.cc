@@ -47,6 +47,22 @@ TransferFunction ElementFrom(fuzz::Bytes& bytes) {
   return {std::move(numerator), std::move(denominator), delay};
 }
 
+// A curve that mostly holds what records have.
+Transform TransformFrom(fuzz::Bytes& bytes) {
+  Transform transform;
+  transform.kind = static_cast<TransformKind>(
+      bytes.Between(1, static_cast<int>(TransformKind::kPiecewiseLinear)));
+  transform.at = Extreme(bytes, 1.0);
+  transform.curvature = Extreme(bytes, bytes.Flag() ? 0.05 : -0.05);
+  transform.rangeability = Extreme(bytes, 20.0);
+  transform.low = transform.zero = Extreme(bytes, -20.0);
+  transform.high = Extreme(bytes, 20.0);
+  transform.exponent = Extreme(bytes, 0.5);
+  transform.points = {
+      {transform.low, -9.0}, {-1.0, -2.0}, {2.0, 3.0}, {transform.high, 9.0}};
+  return transform;
+}
+
 ProcessModel ModelFrom(fuzz::Bytes& bytes) {
   const int shape = bytes.Next();
   std::vector<InputChannel> inputs = {{"steam", ""}};
@@ -59,6 +75,8 @@ ProcessModel ModelFrom(fuzz::Bytes& bytes) {
       if (i == j || (shape & 4) == 0) model.element(i, j) = ElementFrom(bytes);
     }
   }
+  if ((shape & 8) != 0) model.set_input_transform(0, TransformFrom(bytes));
+  if ((shape & 16) != 0) model.set_output_transform(0, TransformFrom(bytes));
   return model;
 }
 

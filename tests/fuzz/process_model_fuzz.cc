@@ -30,6 +30,18 @@ void CheckElement(const TransferFunction& g) {
   FUZZ_EXPECT(g.StepResponse(0.2, 40).allFinite());
 }
 
+// Where it holds, there are numbers, which rise.
+void CheckTransform(const Transform& transform) {
+  for (const double x : {-1e60, -1.0, transform.at, 3.0, 1e60}) {
+    FUZZ_EXPECT(std::isnan(transform.Linear(x)) != transform.Holds(x));
+    FUZZ_EXPECT(!(transform.Slope(x) < 0.0));
+    FUZZ_EXPECT(std::isnan(transform.Slope(x)) != transform.Holds(x));
+    transform.Engineering(x);
+  }
+  FUZZ_EXPECT(transform.Linear(transform.at) == transform.at);
+  FUZZ_EXPECT(transform.Slope(transform.at) == 1.0);
+}
+
 }  // namespace
 }  // namespace mle
 
@@ -46,6 +58,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
   const auto again = mle::ParseProcessModel(text, "again.json");
   FUZZ_EXPECT(again.ok(), again.status().ToString());
   FUZZ_EXPECT(mle::FormatProcessModel(*again) == text, text);
+  for (const mle::InputChannel& input : model->inputs()) {
+    if (!input.transform.IsNone()) mle::CheckTransform(input.transform);
+  }
+  for (const mle::OutputChannel& output : model->outputs()) {
+    if (!output.transform.IsNone()) mle::CheckTransform(output.transform);
+  }
   if (model->num_inputs() * model->num_outputs() > 16) return 0;
   for (int i = 0; i < model->num_outputs(); ++i) {
     for (int j = 0; j < model->num_inputs(); ++j) {

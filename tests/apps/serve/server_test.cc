@@ -1,6 +1,9 @@
 #include "apps/serve/server.h"
 
 #include <fcntl.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -16,6 +19,20 @@
 #include "gtest/gtest.h"
 #include "tests/apps/serve/client.h"
 #include "tests/mle/base/scratch_folder.h"
+
+// In the place of the system's: threads of libmicrohttpd that stop to listen
+// take their time, so that they meet.
+extern "C" int epoll_ctl(int set, int operation, int file,
+                         epoll_event* event) noexcept {
+  int listens = 0;
+  socklen_t size = sizeof(listens);
+  if (operation == EPOLL_CTL_DEL &&
+      getsockopt(file, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) == 0 &&
+      listens != 0) {
+    usleep(20'000);
+  }
+  return static_cast<int>(syscall(SYS_epoll_ctl, set, operation, file, event));
+}
 
 namespace mle::serve {
 namespace {
@@ -243,6 +260,26 @@ TEST(ServerTest, StopEndsAnswersAndClosesTheRest) {
   EXPECT_TRUE(resting.IsClosed());
   EXPECT_FALSE(Client(server->port()).connected());
   server->Stop();
+}
+
+TEST(ServerTest, StopsWhileOthersAsk) {
+  for (int run = 0; run < 10; ++run) {
+    auto server = Start();
+    const int port = server->port();
+    std::vector<std::thread> busy;
+    for (int i = 0; i < 8; ++i) {
+      busy.emplace_back([port] {
+        for (bool connected = true; connected;) {
+          Client client(port);
+          connected = client.connected() && client.Send(Get("/"));
+          client.Answer();
+        }
+      });
+    }
+    absl::SleepFor(absl::Milliseconds(20));
+    server->Stop();
+    for (std::thread& one : busy) one.join();
+  }
 }
 
 TEST(ServerTest, APortInUseIsSaid) {

@@ -98,6 +98,14 @@ TEST(ElementTable, ChannelsMayHaveTransforms) {
               HasSubstr("line 7: transform of steam: at = 0"));
   EXPECT_THAT(fault("transform,steam,log,at"), HasSubstr("lacks a number"));
   EXPECT_THAT(fault("transform,steam"), HasSubstr("a channel, a kind"));
+  EXPECT_THAT(fault("transform,steam,log,at,1,at,2"),
+              HasSubstr("line 7, column 6: the key is given twice"));
+  EXPECT_THAT(fault("transform,steam,log,kind,1"),
+              HasSubstr("line 7, column 4: the key is given twice"));
+  EXPECT_THAT(fault("transform,steam,piecewise_linear,points,5,point,1,2"),
+              HasSubstr("line 7, column 4: a point is point,x,f"));
+  EXPECT_THAT(fault("transform,steam,log,at,1\ntransform,steam,log,at,2"),
+              HasSubstr("line 8: a second transform of 'steam'"));
   EXPECT_THAT(fault("transform,steam,log,at,half"),
               HasSubstr("line 7, column 5: 'half' is not a number"));
 }

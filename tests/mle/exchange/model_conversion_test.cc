@@ -213,12 +213,15 @@ TEST(ModelConversion, StepResponsesCutShortMustBeReadAgain) {
   to.coefficients = 120;
   Reread(Converted(file, to));
   to.coefficients = 15;
-  const absl::Status refused = ConvertModel(file, to).status();
-  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(
-      std::string(refused.message()),
-      testing::AllOf(HasSubstr("every 1 min, could not be read again: "),
-                     HasSubstr("level ← steam: its step response has not")));
+  for (const ModelFileType type : {ModelFileType::kJson, ModelFileType::kMat}) {
+    to.type = type;
+    const absl::Status refused = ConvertModel(file, to).status();
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(
+        std::string(refused.message()),
+        testing::AllOf(HasSubstr("every 1 min, could not be read again: "),
+                       HasSubstr("level ← steam: its step response has not")));
+  }
 }
 
 // Five lags of one time constant have passed 56 % of the way after five.

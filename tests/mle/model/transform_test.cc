@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -121,6 +122,50 @@ TEST(TransformTest, WhatIsWrongIsNamed) {
   power.kind = TransformKind::kPower;
   power.at = 1.0;
   EXPECT_NE(fault(power).find("exponent = 0"), std::string::npos);
+}
+
+// Whatever is taken has no NaN at its operating point, nor far from it.
+TEST(TransformTest, WhatCannotBeComputedWithIsRefused) {
+  const std::vector<double> numbers = {
+      0.0,  5e-324, 1e-150, 1e-60,  1e-9, 1.0,    1e9,
+      1e60, 1e150,  1e308,  -1e-60, -1.0, -1e308, 1.0 + 3e-16};
+  int taken = 0;
+  const auto check = [&](const Transform& transform) {
+    if (!transform.Validate().ok()) return;
+    ++taken;
+    SCOPED_TRACE(transform.Description());
+    EXPECT_EQ(transform.Linear(transform.at), transform.at);
+    EXPECT_EQ(transform.Slope(transform.at), 1.0);
+    for (const double x : {-1e60, -3.0, 0.0, 2.0, 1e60}) {
+      EXPECT_EQ(std::isnan(transform.Linear(x)), !transform.Holds(x)) << x;
+      EXPECT_EQ(std::isnan(transform.Slope(x)), !transform.Holds(x)) << x;
+    }
+  };
+  for (Transform transform : AllTransforms()) {
+    for (double Transform::*const field :
+         {&Transform::at, &Transform::curvature, &Transform::rangeability,
+          &Transform::low, &Transform::high, &Transform::zero,
+          &Transform::exponent}) {
+      for (const double number : numbers) {
+        for (const double at : {transform.at, number}) {
+          Transform changed = transform;
+          changed.*field = number;
+          changed.at = at;
+          check(changed);
+        }
+      }
+    }
+    for (const double number : numbers) {
+      for (auto& [x, f] : transform.points) {
+        for (double* const coordinate : {&x, &f}) {
+          const double before = std::exchange(*coordinate, number);
+          check(transform);
+          *coordinate = before;
+        }
+      }
+    }
+  }
+  EXPECT_GT(taken, 500);
 }
 
 // Wood and Berry's column with a valve in the reflux and a logarithm of the
