@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -310,6 +311,22 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
     if (width > 1.0) z -= Earlier(Averaged(z, width), 0.5 * (width - 1.0));
   }
   return RowMeans(lost);
+}
+
+VectorXd ExplainedOutput::DrawStampErrors(double deviation,
+                                          std::mt19937_64& random) const {
+  std::normal_distribution<double> error(0.0, deviation / sample_time_);
+  std::vector<VectorXd> moved = SimulatedBy(elements_);
+  for (VectorXd& z : moved) {
+    double before = z.size() > 0 ? z[0] : 0.0;
+    for (Eigen::Index k = 0; k < z.size(); ++k) {
+      const double at = z[k];
+      const double after = z[std::min(k + 1, z.size() - 1)];
+      z[k] = 0.5 * (after - before) * error(random);
+      before = at;
+    }
+  }
+  return MeasuredMeans(moved);
 }
 
 }  // namespace mle

@@ -185,6 +185,10 @@ absl::StatusOr<std::optional<Competition>> Compete(
   for (const Sampling& sampling : data.sampling) {
     explain.averages.push_back(sampling.average);
   }
+  for (const NoiseEstimate& noise :
+       candidates.estimate.fit.output_error.full.noise) {
+    explain.stamp_errors.push_back(noise.stamp_deviation);
+  }
   MLE_ASSIGN_OR_RETURN(
       Competition competition,
       Competition::Run(
