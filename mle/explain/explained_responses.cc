@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <random>
 #include <utility>
@@ -316,14 +317,18 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
 VectorXd ExplainedOutput::DrawStampErrors(double deviation,
                                           std::mt19937_64& random) const {
   std::normal_distribution<double> error(0.0, deviation / sample_time_);
-  std::vector<VectorXd> moved = SimulatedBy(elements_);
-  for (VectorXd& z : moved) {
-    double before = z.size() > 0 ? z[0] : 0.0;
+  const std::vector<VectorXd> all = SimulatedBy(elements_);
+  std::vector<VectorXd> moved = all;
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    const VectorXd& z = all[r];
+    const auto last = static_cast<double>(z.size() - 1);
     for (Eigen::Index k = 0; k < z.size(); ++k) {
-      const double at = z[k];
-      const double after = z[std::min(k + 1, z.size() - 1)];
-      z[k] = 0.5 * (after - before) * error(random);
-      before = at;
+      const double at =
+          std::clamp(static_cast<double>(k) + error(random), 0.0, last);
+      const auto before = static_cast<Eigen::Index>(at);
+      const Eigen::Index after = std::min(before + 1, z.size() - 1);
+      moved[r][k] = z[before] - z[k] +
+                    (at - static_cast<double>(before)) * (z[after] - z[before]);
     }
   }
   return MeasuredMeans(moved);
