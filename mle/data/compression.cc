@@ -34,7 +34,8 @@ constexpr double kLeastSizes = 0.3;  // different ones among the steps
 constexpr double kShortestPeriod = 3.0;
 constexpr double kPeriodic = 0.8;
 constexpr double kOffPeriod = 0.2;
-constexpr double kLongestDistance = 1.5;  // of the usual over the short ones
+constexpr double kOnePeriod = 1.5;   // at most, of the shortest distances
+constexpr double kFewPeriods = 3.5;  // that stamps leave apart
 constexpr double kLargeSteps = 0.1;
 constexpr double kSamePhase = 0.95;
 constexpr int kMostDigits = 9;
@@ -228,22 +229,26 @@ Changes ChangesOf(const std::vector<SampleRow>& rows, double tolerance) {
   return changes;
 }
 
-// The period in samples that distances are multiples of; 0: none.
+// The period in samples that distances are multiples of; 0: none. At rest many
+// measurements repeat the one before, so that distances of a few periods tell.
 double PeriodOf(std::vector<double> distances) {
   if (std::ssize(distances) < kLeastArchived) return 0.0;
   std::sort(distances.begin(), distances.end());
-  const double usual = distances[distances.size() / 2];
-  if (distances[distances.size() / 10] < kShortestPeriod ||
-      usual > kLongestDistance * distances[distances.size() / 10]) {
-    return 0.0;
-  }
+  const double shortest = distances[distances.size() / 10];
+  if (shortest < kShortestPeriod) return 0.0;
+  const auto up_to = [&](double distance) {
+    return std::upper_bound(distances.begin(), distances.end(), distance);
+  };
+  const double period =
+      distances[(up_to(kOnePeriod * shortest) - distances.begin()) / 2];
+  const auto last = up_to(kFewPeriods * period);
+  const auto few = static_cast<double>(last - distances.begin());
   const auto fits = static_cast<double>(
-      std::count_if(distances.begin(), distances.end(), [&](double distance) {
-        const double multiple = distance / usual;
+      std::count_if(distances.begin(), last, [&](double distance) {
+        const double multiple = distance / period;
         return std::abs(multiple - std::round(multiple)) <= kOffPeriod;
       }));
-  return fits >= kPeriodic * static_cast<double>(distances.size()) ? usual
-                                                                   : 0.0;
+  return few >= kLeastArchived && fits >= kPeriodic * few ? period : 0.0;
 }
 
 // Marks all samples as interpolated but those that were measured: changes, and

@@ -170,12 +170,14 @@ bool CsvRows::Next(std::vector<std::string_view>& fields) {
     return true;
   }
   while (status_.ok()) {
-    if (skips_comments_ && begin_ < end_ && buffer_[begin_] == '#') {
+    if (skips_comments_ && begin_ < end_ &&
+        (buffer_[begin_] == '#' || buffer_[begin_] == '/')) {
       if (end_ - begin_ < kLongestError && !at_end_) {
         if (!Fill()) return false;
         continue;
       }
-      if (!IsSpreadsheetError({buffer_.data() + begin_, end_ - begin_})) {
+      const std::string_view rest(buffer_.data() + begin_, end_ - begin_);
+      if (rest[0] == '#' ? !IsSpreadsheetError(rest) : rest.starts_with("//")) {
         if (!SkipLine()) return false;
         ++comments_;
         continue;

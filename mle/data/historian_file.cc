@@ -65,6 +65,16 @@ bool HasSuffix(const std::string& name,
                      });
 }
 
+// Whether a name is that of qualities, of all columns or of another one.
+bool IsQualityOfAny(const std::string& name,
+                    const std::vector<std::string>& header) {
+  std::vector<std::string_view> others;
+  for (const std::string& other : header) {
+    if (other != name) others.emplace_back(other);
+  }
+  return QualityOfName(name, others).has_value();
+}
+
 // Samples where names of columns should be.
 absl::Status CheckNames(const std::string& place,
                         const std::vector<std::string>& header,
@@ -346,6 +356,7 @@ absl::Status HistorianFile::CheckUnderstood() {
       });
     };
     const auto most = static_cast<std::ptrdiff_t>((rows.size() + 1) / 2);
+    if (IsQualityOfAny(header[c], header)) continue;
     if (count([&](const std::string& text) {
           return !text.empty() && !IsSampleField(text, clock_);
         }) > most) {
@@ -421,12 +432,8 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
     const std::string name(TrimCsvField(header[c]));
     const std::string folded = FoldedName(name);
     const auto& suffixes = options.columns.quality_suffixes;
-    std::vector<std::string_view> others;
-    for (const std::string& other : header) {
-      if (other != name) others.emplace_back(other);
-    }
     const bool is_quality =
-        AreUsualSuffixes(suffixes) && QualityOfName(name, others).has_value();
+        AreUsualSuffixes(suffixes) && IsQualityOfAny(name, header);
     const bool is_other =
         is_quality || folded.empty() || folded == FoldedName(time.first) ||
         folded == FoldedName(time.second) ||

@@ -121,6 +121,7 @@ class Matching {
   bool IsIgnored(const std::string& name) const;
   bool IsUnused(const std::string& name) const;
   void FindOthers(std::vector<std::string>& faults) const;
+  std::string SuffixAdvice(const std::vector<std::string>& others) const;
 
   ColumnsByName wanted_;  // those not found yet
   const ColumnOptions& options_;
@@ -331,7 +332,28 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
       "column ", first, ": ", QuotedCsvText(others[0]),
       " is neither time nor an input, output or set point of the process "
       "model",
-      rest, "; other columns are ignored with ignore_other_columns = true"));
+      rest, "; other columns are ignored with ignore_other_columns = true",
+      SuffixAdvice(others)));
+}
+
+// Where a column that is not known stands beside one that is, and has its name
+// and more: it may say how good the samples are.
+std::string Matching::SuffixAdvice(
+    const std::vector<std::string>& others) const {
+  for (const std::string& other : others) {
+    for (const RecordColumn& column : columns_) {
+      if (column.kind == Kind::kOther || column.name.empty() ||
+          column.name == other || !other.starts_with(column.name)) {
+        continue;
+      }
+      return absl::StrCat(
+          "; if ", QuotedCsvText(other), " says how good samples of ",
+          QuotedCsvText(column.name),
+          " are: quality_suffixes = ", other.substr(column.name.size()),
+          " and good_qualities");
+    }
+  }
+  return "";
 }
 
 absl::Status Matching::Check() {

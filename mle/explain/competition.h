@@ -61,6 +61,8 @@ struct ExplainOptions {
   // p: the times that samples of the outputs are known to be means over, in the
   // middle of which they stand; or empty.
   std::vector<double> averages = {};
+  // p: the standard deviations of random errors of the stamps, or empty.
+  std::vector<double> stamp_errors = {};
   // 0: one for each processor. The result does not depend on it.
   int threads = 1;
 
@@ -118,6 +120,7 @@ struct OutputExplanation {
   double remaining = 0.0;    // E of what is explained
   double chance = 0.0;       // N
   double averaging = 0.0;    // E of what known averages do to the output
+  double stamps = 0.0;       // E of random errors of stamps, on average
   double unit = 0.0;         // M
   double independent = 1.0;  // n
   double required = 0.0;     // the fall of E that is evidence enough, in M
@@ -139,10 +142,10 @@ struct OutputExplanation {
   double EvidenceOf(double fall, double by_unit) const;
   // Whether another explanation does as well as one that was taken.
   bool HasTie(const Explanation& explanation) const;
-  // E/N, what known averages do taken off; an explanation may be missing above
-  // kMuchLeft.
+  // E/N, with what known averages and errors of stamps do in N; an explanation
+  // may be missing above kMuchLeft.
   double left() const {
-    return chance > 0.0 ? remaining / (chance + averaging) : 0.0;
+    return chance > 0.0 ? remaining / (chance + averaging + stamps) : 0.0;
   }
   double before() const { return chance > 0.0 ? energy / chance : 0.0; }
 };

@@ -14,6 +14,7 @@
 #define MLE_EXPLAIN_EXPLAINED_OUTPUT_H_
 
 #include <memory>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -101,6 +102,10 @@ class ExplainedOutput {
   // What a mean over a time around each sample takes from z, of the model as it
   // is.
   Eigen::VectorXd LostByAverage(double time) const;
+  // What independent errors of the stamps, of this standard deviation, do to
+  // the measurements, drawn once.
+  Eigen::VectorXd DrawStampErrors(double deviation,
+                                  std::mt19937_64& random) const;
   // Values of the element from which explanations change K, T and L: those of
   // the model, or of a new path.
   ElementValues Before(int input,

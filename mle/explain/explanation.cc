@@ -130,7 +130,8 @@ const std::vector<ExplanationType>& ExplanationTable() {
        0.0,
        2.0,
        "the samples of %s are averages of faster ones",
-       "Samples of the historian without averaging would settle it."},
+       "Samples of the historian without averaging would settle it, or what "
+       "they are means of: declare its sampling (average, stamp)."},
       {Kind::kCurvedInput,
        "curved_input",
        Place::kInput,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,7 @@ using Eigen::VectorXd;
 // The share of a sample by which means of what lies between samples shift it,
 // with what they seem to.
 constexpr double kMostOfSample = 0.75;
+constexpr int kStampDraws = 32;
 
 }  // namespace
 
@@ -218,6 +220,17 @@ OutputExplanation OutputCompetition::Report() const {
     report.averaging =
         instruments_.Project(output_.LostByAverage(options_.averages[place]))
             .squaredNorm();
+  }
+  if (place < options_.stamp_errors.size() &&
+      options_.stamp_errors[place] > 0.0) {
+    std::mt19937_64 random;
+    for (int draw = 0; draw < kStampDraws; ++draw) {
+      report.stamps += instruments_
+                           .Project(output_.DrawStampErrors(
+                               options_.stamp_errors[place], random))
+                           .squaredNorm() /
+                       kStampDraws;
+    }
   }
   report.together = together_;
   report.held_out = held_out_;

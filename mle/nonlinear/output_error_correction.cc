@@ -32,6 +32,12 @@ constexpr double kPower = 0.9;
 // A sample of less weight is said to be spared by a robust loss.
 constexpr double kSpared = 0.5;
 
+// Of the weights, without that of stamps.
+VectorXd RobustPart(const OutputErrorProblem& problem) {
+  if (problem.stamp_weights().size() == 0) return problem.weights();
+  return problem.weights().cwiseQuotient(problem.stamp_weights());
+}
+
 // Writes the average of fits of output i into `fit`, and returns it.
 OutputFit Report(const OutputSetup& setup,
                  const std::vector<WeightedFit>& parts, int i,
@@ -69,10 +75,11 @@ OutputFit Report(const OutputSetup& setup,
   fit.covariances[i] = average.covariance;
   fit.noise[i] = average.noise;
   ReportDisturbances(*setup.problem, average.point, fit.noise[i]);
+  fit.noise[i].stamp_deviation = setup.problem->stamp_deviation();
   fit.certificates[i] = average.certificate;
   fit.deviances[i] = average.deviance;
   fit.spared_samples[i] =
-      static_cast<int>((setup.problem->weights().array() < kSpared).count());
+      static_cast<int>((RobustPart(*setup.problem).array() < kSpared).count());
   return average;
 }
 

@@ -163,6 +163,9 @@ struct NoiseEstimate {
   double inflation = 1.0;
   int samples_at_rest = 0;
   std::vector<LevelStep> steps = {};
+  // Of random errors of the stamps of what is measured now and then, in the
+  // model's unit of time; 0: none seen.
+  double stamp_deviation = 0.0;
 
   double increment_variance() const { return ratio * variance; }  // q
   double colour_variance() const;  // of the coloured component, stationary

@@ -315,15 +315,24 @@ void OutputErrorProblem::SetAtRest(
 
 void OutputErrorProblem::SetWeights(const VectorXd& weights,
                                     double variance_factor) {
-  CHECK_EQ(weights.size(), num_samples_);
-  CHECK(weights.size() == 0 || weights.minCoeff() > 0.0);
+  const bool any = weights.size() > 0;
+  CHECK(!any || weights.size() == num_samples_);
+  CHECK(!any || weights.minCoeff() > 0.0);
   weights_ = weights;
   variance_factor_ = variance_factor;
   Eigen::Index begin = 0;
   for (Segment& segment : segments_) {
-    segment.weights = weights.segment(begin, segment.outputs.size());
-    begin += segment.outputs.size();
+    const Eigen::Index rows = segment.outputs.size();
+    segment.weights = any ? VectorXd(weights.segment(begin, rows)) : VectorXd();
+    begin += rows;
   }
+}
+
+void OutputErrorProblem::SetStampNoise(const VectorXd& weights,
+                                       double deviation) {
+  stamp_weights_ = weights;
+  stamp_deviation_ = deviation;
+  SetWeights(weights, 1.0);
 }
 
 VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,

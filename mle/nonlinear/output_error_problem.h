@@ -139,6 +139,11 @@ class OutputErrorProblem {
   void SetWeights(const Eigen::VectorXd& weights, double variance_factor);
   const Eigen::VectorXd& weights() const { return weights_; }  // empty: ones
   double variance_factor() const { return variance_factor_; }
+  // The weights by random errors of stamps, and their standard deviation
+  // (stamp_noise.h), which weights of a robust loss are times. Empty: ones.
+  void SetStampNoise(const Eigen::VectorXd& weights, double deviation);
+  const Eigen::VectorXd& stamp_weights() const { return stamp_weights_; }
+  double stamp_deviation() const { return stamp_deviation_; }
 
   // Periodic disturbances with these periods, in samples, whose amplitude and
   // phase are each segment's own: two more free amplitudes of each.
@@ -249,6 +254,8 @@ class OutputErrorProblem {
   std::vector<SegmentStep> steps_;
   Eigen::VectorXd weights_;
   double variance_factor_ = 1.0;
+  Eigen::VectorXd stamp_weights_;
+  double stamp_deviation_ = 0.0;
 };
 
 }  // namespace mle

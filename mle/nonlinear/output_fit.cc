@@ -8,6 +8,7 @@
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fitter.h"
 #include "mle/nonlinear/robust_loss.h"
+#include "mle/nonlinear/stamp_noise.h"
 #include "mle/regression/lagged_products.h"
 
 namespace mle {
@@ -18,6 +19,8 @@ using Eigen::VectorXd;
 constexpr int kMaxNoiseRounds = 8;
 constexpr int kMaxSearchRounds = 5;
 constexpr int kMaxRobustRounds = 30;
+constexpr int kMaxStampRounds = 4;
+constexpr double kStampTolerance = 0.1;
 // A shape stays where logarithms of ρ, σ and 1 − φ move less, or where ratios
 // are below any effect.
 constexpr double kShapeTolerance = 0.02;
@@ -145,8 +148,11 @@ FitCertificate NothingFree() {
 // The weights at `fit`; returns by how much any of them moves.
 double Reweight(RobustLoss loss, const OutputFit& fit,
                 OutputErrorProblem& problem) {
-  const RobustWeights robust = ComputeRobustWeights(
-      loss, problem.WhiteResiduals(fit.point, ShapeOf(fit.noise)));
+  VectorXd residuals = problem.WhiteResiduals(fit.point, ShapeOf(fit.noise));
+  const VectorXd& stamps = problem.stamp_weights();
+  if (stamps.size() > 0) residuals.array() *= stamps.array().sqrt();
+  RobustWeights robust = ComputeRobustWeights(loss, residuals);
+  if (stamps.size() > 0) robust.weights.array() *= stamps.array();
   const VectorXd former = problem.weights().size() > 0
                               ? problem.weights()
                               : VectorXd::Ones(robust.weights.size());
@@ -273,6 +279,19 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
   certificate.weight_change = fit.certificate.weight_change;
   FillIn(problem, options, certificate, plain);
   return plain;
+}
+
+void FitWithStampNoise(const OutputFitBounds& bounds,
+                       const OutputErrorOptions& options,
+                       OutputErrorProblem& problem, OutputFit& fit) {
+  for (int round = 0; round < kMaxStampRounds; ++round) {
+    const double former = problem.stamp_deviation();
+    FindStampNoise(fit, problem);
+    const double found = problem.stamp_deviation();
+    if (found == 0.0 && former == 0.0) return;
+    fit = Refit(problem, fit, bounds, options, MayHaveColour(problem, options));
+    if (std::abs(found - former) <= kStampTolerance * found) return;
+  }
 }
 
 void FitRobustly(const OutputFitBounds& bounds,

@@ -75,6 +75,12 @@ OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
                 const OutputErrorOptions& options, bool search_colour = true);
 
+// Random errors of stamps (stamp_noise.h) and the fit under them, in turn from
+// `fit`; left in `problem` and `fit`.
+void FitWithStampNoise(const OutputFitBounds& bounds,
+                       const OutputErrorOptions& options,
+                       OutputErrorProblem& problem, OutputFit& fit);
+
 // Weights of a robust loss and the fit under them, in turn from `fit` until
 // neither moves; left in `problem` and `fit`.
 void FitRobustly(const OutputFitBounds& bounds,

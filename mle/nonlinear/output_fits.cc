@@ -48,6 +48,7 @@ absl::StatusOr<std::vector<OutputFit>> FitOutputs(
                   : FitOutput(*setup.problem, setup.start, free, setup.bounds,
                               options);
     if (!may_change) return;
+    FitWithStampNoise(setup.bounds, options, *setup.problem, fits[i]);
     if (options.start == nullptr) {
       FitDisturbances(setup.start, setup.bounds, options, *setup.problem,
                       fits[i]);

@@ -162,6 +162,31 @@ TEST(CompressionTest, LeavesSlowResponsesAsPrinted) {
   EXPECT_EQ(Find(row).kind, Kind::kNone);
 }
 
+// At rest most of its values are those before; six moves show the period.
+TEST(CompressionTest, FindsALaboratoryAtRest) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> noise(0.0, 0.004);
+  std::uniform_int_distribution<int> late(-8, 8);
+  Eigen::RowVectorXd row(5760);
+  double level = 2.0;
+  double value = level;
+  int taken = 0;
+  int next = 20;
+  for (int k = 0; k < row.size(); ++k) {
+    const double target = (k / 960) % 2 == 0 ? 2.0 : 2.3;
+    level += (target - level) / 36.0;
+    if (k == next) {
+      value = std::round(100.0 * (level + noise(random))) / 100.0;
+      next = 20 + 48 * ++taken + late(random);
+    }
+    row(k) = value;
+  }
+  const Compression found = Find(row);
+  ASSERT_EQ(found.kind, Kind::kHeld);
+  EXPECT_TRUE(found.is_sampled);
+  EXPECT_GE(found.archived, 0.4 * taken);
+}
+
 TEST(CompressionTest, LeavesRoundedSignals) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     for (const double quantum : {0.001, 0.01, 0.02, 0.05, 0.2}) {

@@ -101,6 +101,20 @@ TEST(OneFileForEachTagTest, QualitiesAreOfTheTagOfTheirFile) {
   EXPECT_THAT(RowOf(import->records[0].inputs), ElementsAre(5, 5, 7, 7));
 }
 
+// Dates are no numbers: beside one column of values words are qualities.
+TEST(OneFileForEachTagTest, AllMayHaveQualitiesAndDates) {
+  const auto text = [](int first) {
+    return absl::StrCat("Timestamp;Value;Status\n2024-01-01 00:00;", first,
+                        ";Good\n2024-01-01 00:01;", first + 1,
+                        ";Good\n2024-01-01 00:02;99;Bad\n2024-01-01 00:03;",
+                        first + 3, ";Good\n");
+  };
+  const absl::StatusOr<HistorianImport> import = ImportFiles(
+      {TextSource("level.csv", text(1)), TextSource("steam.csv", text(5))});
+  ASSERT_TRUE(import.ok()) << import.status();
+  EXPECT_THAT(RowOf(import->records[0].outputs), ElementsAre(1, 2, IsNan(), 4));
+}
+
 // What is missing in all of them is said of all of them; a file that is not
 // understood, or files of the same tags, are as before.
 TEST(OneFileForEachTagTest, MistakesAreSaid) {
@@ -310,9 +324,9 @@ TEST(LongTableNamesTest, WhatIsNotCertainIsAskedFor) {
 TEST(CommentsTest, ArePassedOverAndCounted) {
   const HistorianImport import = ImportOk(
       "# logger 7\n# time,level,steam\n0,1,5\n# it \"rains\", a lot\n1,2,6\n"
-      "time,level,steam\n2,3,7\n");
+      "// restarted\ntime,level,steam\n2,3,7\n");
   EXPECT_THAT(RowOf(import.records[0].outputs), ElementsAre(1, 2, 3));
-  EXPECT_EQ(import.report.comment_rows, 2);
+  EXPECT_EQ(import.report.comment_rows, 3);
   // A word of a spreadsheet is a sample.
   EXPECT_THAT(RowOf(ImportOk("level,time,steam\n1,0,5\n#N/A,1,6\n3,2,7\n")
                         .records[0]
@@ -387,6 +401,9 @@ TEST(QualityTest, OfLongTablesAllMustBeGood) {
 }
 
 TEST(QualityTest, WhatIsNotUsualIsRefusedByName) {
+  EXPECT_THAT(Error("time,level,level_QC,steam\n0,1,A7,5\n1,2,A7,6\n"),
+              HasSubstr("if 'level_QC' says how good samples of 'level' are: "
+                        "quality_suffixes = _QC"));
   EXPECT_THAT(Error("time,level,level::status,steam\n0,1,A7,5\n1,2,A7,6\n"),
               AllOf(HasSubstr("'level' has no good sample, as its quality"),
                     HasSubstr("good_qualities = A7")));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -190,6 +191,44 @@ TEST(CompetitionTest, KnownAveragesAreTakenOffWhatIsLeft) {
   EXPECT_EQ(known.outputs()[0].remaining, plain.remaining);
   EXPECT_LT(known.outputs()[0].left(), plain.left());
   EXPECT_EQ(known.outputs()[1].averaging, 0.0);
+}
+
+// Every eighth sample of the first output, up to `late` samples early or late.
+Record MeasuredNowAndThen(Record record, int late, unsigned seed) {
+  std::mt19937_64 random(1000 + seed);
+  std::uniform_int_distribution<int> error(-late, late);
+  const Eigen::RowVectorXd all = record.outputs.row(0);
+  record.outputs.row(0).setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index k = 8; k + 8 < all.size(); k += 8) {
+    record.outputs(0, k) = all(k + error(random));
+  }
+  return record;
+}
+
+// What set points drive is larger by what random errors of stamps make of it,
+// which is no reason to look for another explanation.
+TEST(CompetitionTest, ErrorsOfStampsAreWhatTheyAreSaidToBe) {
+  constexpr int kErrors = 2;  // samples, at most: √2 of standard deviation
+  double more = 0.0;
+  double said = 0.0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Record record = CloseLoops(TwoLoops(), seed);
+    ExplainOptions options;
+    options.most = 1;
+    options.stamp_errors = {std::sqrt(2.0) * record.sample_time, 0.0};
+    const auto output = [&](int late) {
+      return Competition::Run(TwoLoops(),
+                              {MeasuredNowAndThen(record, late, seed)}, options)
+          ->outputs()[0];
+    };
+    const OutputExplanation exact = output(0);
+    const OutputExplanation off = output(kErrors);
+    more += off.energy - exact.energy;
+    said += off.stamps;
+    EXPECT_LT(off.left(), off.remaining / off.chance);
+  }
+  EXPECT_GT(said, 0.0);
+  EXPECT_NEAR(more / said, 1.0, 0.4);
 }
 
 // A load that the controller answers is no change of the model, however large:
