@@ -16,8 +16,8 @@ using Eigen::VectorXd;
 // Samples of outputs that are measured now and then are as far apart, at least,
 // in sample times.
 constexpr double kApart = 3.0;
-constexpr double kLargestShare = 0.125;  // s, of the time between samples
-constexpr double kSmallestShare = 0.004;
+constexpr double kMostStampShare = 0.125;  // s, of the time between samples
+constexpr double kLeastStampShare = 0.004;
 constexpr double kStep = 1.25;
 // The variance of the rest and the weights, in turn.
 constexpr int kVarianceRounds = 2;
@@ -85,7 +85,8 @@ void FindStampNoise(const OutputFit& fit, OutputErrorProblem& problem) {
   std::vector<Possible> all;
   double least = kInfinity;
   double variance = fit.noise.variance;
-  for (double share = kSmallestShare; share <= kLargestShare; share *= kStep) {
+  for (double share = kLeastStampShare; share <= kMostStampShare;
+       share *= kStep) {
     Possible one = {share * time, SquaresBy(problem, fit, share * time)};
     for (int round = 0; round < kVarianceRounds; ++round) {
       problem.SetStampNoise(WeightsOf(one.squares, variance), 0.0);
