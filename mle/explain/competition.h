@@ -88,6 +88,10 @@ struct HorizonErrors {
   double deviations = 0.0;
 };
 
+// Changes of other elements, and whatever explains as much as a curve or a
+// change during the records, are rivals if nearer than this many M.
+inline constexpr double kElements = 5.0;
+
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;
 
@@ -114,6 +118,7 @@ struct OutputExplanation {
   struct Tie {
     Explanation taken;
     Explanation rival;
+    double margin = 0.0;  // of what was taken, in M
   };
   std::vector<Tie> ties;
   double energy = 0.0;       // E of the model as it was

@@ -30,9 +30,6 @@ constexpr double kLeastOwn = 0.05;
 constexpr double kTie = 0.1;
 // Evidence of two explanations at once, in that of one.
 constexpr double kPair = 2.0;
-// Rivals that are changes of another element are ties if nearer than this many
-// M.
-constexpr double kElements = 5.0;
 // Placebos nearer to each other than this many τ are not independent.
 constexpr double kIndependent = 3.0;
 constexpr double kFewestIndependent = 2.0;
@@ -343,9 +340,10 @@ void OutputCompetition::FindTies() {
       // A curve that explains more, its improbability aside, is one, too.
       const bool more =
           IsCurve(rival.kind) && fit.energy < energy_ - kBetter * unit_;
-      if (more ||
-          Score(fit.explanations, fit.energy, CostOf(chance_)) - score < near) {
-        ties_.push_back({all[i], rival});
+      const double margin =
+          Score(fit.explanations, fit.energy, CostOf(chance_)) - score;
+      if (more || margin < near) {
+        ties_.push_back({all[i], rival, margin / unit_});
       }
     }
   }

@@ -18,25 +18,27 @@ constexpr int kPoints = 65;
 constexpr double kLow = 0.1;
 constexpr double kHigh = 0.9;
 
-// Whether the output has evidence of its own for the curve.
-bool Shows(const OutputExplanation& output, const FoundCurve& curve,
-           double evidence) {
-  return std::any_of(output.taken.begin(), output.taken.end(),
-                     [&](const TakenExplanation& one) {
-                       const Explanation& e = one.explanation;
-                       return one.evidence > evidence && IsCurve(e.kind) &&
-                              e.index == curve.channel &&
-                              (e.kind != ExplanationKind::kCurvedInput) ==
-                                  curve.is_output;
-                     });
+// What the output has taken of this curve, or nothing.
+const TakenExplanation* TakenOf(const OutputExplanation& output,
+                                const FoundCurve& curve) {
+  for (const TakenExplanation& one : output.taken) {
+    const ExplanationKind kind = one.explanation.kind;
+    if (IsCurve(kind) && one.explanation.index == curve.channel &&
+        (kind != ExplanationKind::kCurvedInput) == curve.is_output) {
+      return &one;
+    }
+  }
+  return nullptr;
 }
 
-// Whether another explanation does as well as a curve that was taken.
-bool IsContested(const OutputExplanation& output) {
-  return std::any_of(output.ties.begin(), output.ties.end(),
-                     [](const OutputExplanation::Tie& tie) {
-                       return IsCurve(tie.taken.kind);
-                     });
+// By how many M other explanations do worse than a curve that was taken; 0
+// where one does better.
+double MarginOf(const OutputExplanation& output, const Explanation& curve) {
+  double margin = kElements;
+  for (const OutputExplanation::Tie& tie : output.ties) {
+    if (tie.taken.SameAs(curve)) margin = std::min(margin, tie.margin);
+  }
+  return std::max(0.0, margin);
 }
 
 // `second` of what `first` makes of x, for x from `low` to `high`.
@@ -104,12 +106,18 @@ std::vector<FoundCurve> CurvesToHold(const Candidates& candidates) {
   std::vector<FoundCurve> held;
   for (const FoundCurve& curve : competition.Curves()) {
     bool holds = true;
+    // In place of a curve of an input another has to explain all its outputs.
+    double margin = 0.0;
     for (int i = 0; i < candidates.initial.num_outputs(); ++i) {
       const OutputExplanation& output = competition.outputs()[i];
-      if (!Shows(output, curve, candidates.options.explain.evidence)) continue;
-      holds = holds && !IsContested(output) && !Misleads(competition, i) &&
-              PredictsBetter(output);
+      const TakenExplanation* const taken = TakenOf(output, curve);
+      if (taken == nullptr) continue;
+      margin += MarginOf(output, taken->explanation);
+      // Of outputs that have evidence of their own.
+      if (!(taken->evidence > candidates.options.explain.evidence)) continue;
+      holds = holds && !Misleads(competition, i) && PredictsBetter(output);
     }
+    holds = holds && margin >= kElements;
     if (holds) held.push_back(curve);
   }
   return held;
