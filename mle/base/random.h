@@ -60,6 +60,7 @@ enum Substream : std::uint32_t {
   kSetPointSizes = 101,
   kSlowDisturbance = 102,
   kPlanPlants = 103,
+  kStampErrors = 104,
   kArmaNoise = 1000,       // + the output
   kSensorNoise = 1500,     // + the output
   kInputLoad = 2000,       // + the input

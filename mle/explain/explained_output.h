@@ -14,12 +14,12 @@
 #define MLE_EXPLAIN_EXPLAINED_OUTPUT_H_
 
 #include <memory>
-#include <random>
 #include <utility>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
+#include "mle/base/random.h"
 #include "mle/data/record.h"
 #include "mle/explain/curves.h"
 #include "mle/explain/explanation.h"
@@ -104,8 +104,7 @@ class ExplainedOutput {
   Eigen::VectorXd LostByAverage(double time) const;
   // What independent errors of the stamps, of this standard deviation, do to
   // the measurements, drawn once.
-  Eigen::VectorXd DrawStampErrors(double deviation,
-                                  std::mt19937_64& random) const;
+  Eigen::VectorXd DrawStampErrors(double deviation, GaussianNoise& noise) const;
   // Values of the element from which explanations change K, T and L: those of
   // the model, or of a new path.
   ElementValues Before(int input,

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <random>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -315,16 +314,16 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
 }
 
 VectorXd ExplainedOutput::DrawStampErrors(double deviation,
-                                          std::mt19937_64& random) const {
-  std::normal_distribution<double> error(0.0, deviation / sample_time_);
+                                          GaussianNoise& noise) const {
   const std::vector<VectorXd> all = SimulatedBy(elements_);
   std::vector<VectorXd> moved = all;
   for (std::size_t r = 0; r < all.size(); ++r) {
     const VectorXd& z = all[r];
     const auto last = static_cast<double>(z.size() - 1);
     for (Eigen::Index k = 0; k < z.size(); ++k) {
-      const double at =
-          std::clamp(static_cast<double>(k) + error(random), 0.0, last);
+      const double at = std::clamp(
+          static_cast<double>(k) + noise.Draw(deviation / sample_time_), 0.0,
+          last);
       const auto before = static_cast<Eigen::Index>(at);
       const Eigen::Index after = std::min(before + 1, z.size() - 1);
       moved[r][k] = z[before] - z[k] +

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 #include <utility>
 #include <vector>
 
 #include "Eigen/Cholesky"
+#include "mle/base/random.h"
 #include "mle/data/sampling.h"
 #include "mle/explain/curves.h"
 #include "mle/explain/held_out_errors.h"
@@ -223,11 +223,11 @@ OutputExplanation OutputCompetition::Report() const {
   }
   if (place < options_.stamp_errors.size() &&
       options_.stamp_errors[place] > 0.0) {
-    std::mt19937_64 random;
+    GaussianNoise noise(0, kCalibrationStream, kStampErrors);
     for (int draw = 0; draw < kStampDraws; ++draw) {
       report.stamps += instruments_
                            .Project(output_.DrawStampErrors(
-                               options_.stamp_errors[place], random))
+                               options_.stamp_errors[place], noise))
                            .squaredNorm() /
                        kStampDraws;
     }
