@@ -52,16 +52,16 @@ StampedFit FitStamps(const std::vector<Record>& records, bool with_stamps) {
 // The standard deviation of errors of −1, 0 and 1 samples is 0.41. Without it
 // errors of the dead time are three standard errors.
 TEST(StampNoiseTest, IsFoundAndInStandardErrors) {
-  constexpr int kRecords = 12;
+  constexpr int kTrials = 12;
   double with = 0.0;
   double without = 0.0;
-  for (unsigned seed = 1; seed <= kRecords; ++seed) {
+  for (unsigned seed = 1; seed <= kTrials; ++seed) {
     const std::vector<Record> records = MeasuredNowAndThen(1, seed);
     const StampedFit weighed = FitStamps(records, true);
     EXPECT_NEAR(weighed.deviation, 0.43, 0.12) << "seed " << seed;
-    with += std::pow(weighed.error / weighed.standard_error, 2) / kRecords;
+    with += std::pow(weighed.error / weighed.standard_error, 2) / kTrials;
     const StampedFit plain = FitStamps(records, false);
-    without += std::pow(plain.error / plain.standard_error, 2) / kRecords;
+    without += std::pow(plain.error / plain.standard_error, 2) / kTrials;
   }
   EXPECT_LT(with, 4.0);
   EXPECT_GT(without, 2.0 * with);
