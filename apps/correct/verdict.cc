@@ -111,11 +111,11 @@ std::string WhatToDo(const Result& result) {
     case Decision::kNoChange:
       return absl::StrCat("Keep the controller's model. ", MainReason(result));
     case Decision::kCorrected:
-      return absl::StrCat(
-          "Use the corrected model in the controller: ",
-          result.curves.empty() ? "the model has aged"
-                                : "its gains depend on the operating point",
-          " (", p, " for no change)", WhereMost(result), ".");
+      return absl::StrCat("Use the corrected model in the controller: ",
+                          result.curves.empty()
+                              ? "the model has aged"
+                              : "its gains depend on the operating point",
+                          " (", p, " for no change)", WhereMost(result), ".");
     case Decision::kCannotTell:
       return absl::StrCat(
           "Keep the controller's model for now: whether it has aged cannot be "
