@@ -11,6 +11,9 @@ inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // From 1 to the next larger number: 2⁻⁵².
 inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+// Samples are squared, summed and compared as variances: beyond this limit the
+// results would leave the range of double precision.
+inline constexpr double kLargestSample = 1e60;
 
 }  // namespace mle
 

@@ -13,12 +13,9 @@
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
-
-// Samples are squared, summed and compared as variances: beyond this limit the
-// results would leave the range of double precision.
-inline constexpr double kLargestSample = 1e60;
 
 struct Record {
   double start_time = 0.0;

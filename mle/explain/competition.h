@@ -90,7 +90,7 @@ struct HorizonErrors {
 
 // Changes of other elements, and whatever explains as much as a curve or a
 // change during the records, are rivals if nearer than this many M.
-inline constexpr double kElements = 5.0;
+inline constexpr double kRivalMargin = 5.0;
 
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;

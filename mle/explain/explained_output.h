@@ -103,8 +103,9 @@ class ExplainedOutput {
   // is.
   Eigen::VectorXd LostByAverage(double time) const;
   // What independent errors of the stamps, of this standard deviation, do to
-  // the measurements, drawn once.
-  Eigen::VectorXd DrawStampErrors(double deviation, GaussianNoise& noise) const;
+  // the measurements, drawn so many times (rows × draws).
+  Eigen::MatrixXd DrawStampErrors(double deviation, int draws,
+                                  GaussianNoise& noise) const;
   // Values of the element from which explanations change K, T and L: those of
   // the model, or of a new path.
   ElementValues Before(int input,

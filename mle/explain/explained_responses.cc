@@ -313,24 +313,29 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
   return RowMeans(lost);
 }
 
-VectorXd ExplainedOutput::DrawStampErrors(double deviation,
+MatrixXd ExplainedOutput::DrawStampErrors(double deviation, int draws,
                                           GaussianNoise& noise) const {
   const std::vector<VectorXd> all = SimulatedBy(elements_);
   std::vector<VectorXd> moved = all;
-  for (std::size_t r = 0; r < all.size(); ++r) {
-    const VectorXd& z = all[r];
-    const auto last = static_cast<double>(z.size() - 1);
-    for (Eigen::Index k = 0; k < z.size(); ++k) {
-      const double at = std::clamp(
-          static_cast<double>(k) + noise.Draw(deviation / sample_time_), 0.0,
-          last);
-      const auto before = static_cast<Eigen::Index>(at);
-      const Eigen::Index after = std::min(before + 1, z.size() - 1);
-      moved[r][k] = z[before] - z[k] +
-                    (at - static_cast<double>(before)) * (z[after] - z[before]);
+  MatrixXd errors(static_cast<Eigen::Index>(rows_.size()), draws);
+  for (int draw = 0; draw < draws; ++draw) {
+    for (std::size_t r = 0; r < all.size(); ++r) {
+      const VectorXd& z = all[r];
+      const auto last = static_cast<double>(z.size() - 1);
+      for (Eigen::Index k = 0; k < z.size(); ++k) {
+        const double at = std::clamp(
+            static_cast<double>(k) + noise.Draw(deviation / sample_time_), 0.0,
+            last);
+        const auto before = static_cast<Eigen::Index>(at);
+        const Eigen::Index after = std::min(before + 1, z.size() - 1);
+        moved[r][k] =
+            z[before] - z[k] +
+            (at - static_cast<double>(before)) * (z[after] - z[before]);
+      }
     }
+    errors.col(draw) = MeasuredMeans(moved);
   }
-  return MeasuredMeans(moved);
+  return errors;
 }
 
 }  // namespace mle

@@ -336,7 +336,8 @@ void OutputCompetition::FindTies() {
           rival.index == all[i].index) {
         continue;
       }
-      const double near = elements ? kElements * unit_ : kTie * CostOf(chance_);
+      const double near =
+          elements ? kRivalMargin * unit_ : kTie * CostOf(chance_);
       // A curve that explains more, its improbability aside, is one, too.
       const bool more =
           IsCurve(rival.kind) && fit.energy < energy_ - kBetter * unit_;

@@ -224,12 +224,10 @@ OutputExplanation OutputCompetition::Report() const {
   if (place < options_.stamp_errors.size() &&
       options_.stamp_errors[place] > 0.0) {
     GaussianNoise noise(0, kCalibrationStream, kStampErrors);
-    for (int draw = 0; draw < kStampDraws; ++draw) {
-      report.stamps += instruments_
-                           .Project(output_.DrawStampErrors(
-                               options_.stamp_errors[place], noise))
-                           .squaredNorm() /
-                       kStampDraws;
+    const MatrixXd errors = output_.DrawStampErrors(
+        options_.stamp_errors[place], kStampDraws, noise);
+    for (const auto& one : errors.colwise()) {
+      report.stamps += instruments_.Project(one).squaredNorm() / kStampDraws;
     }
   }
   report.together = together_;

@@ -1,6 +1,8 @@
 #include "mle/maintain/built_result.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -119,6 +121,27 @@ void NoteHorizon(CorrectionResult& result) {
        {"response_horizon"}});
 }
 
+// Errors of stamps that are smaller than a sample are nothing to be told of.
+void NoteStampErrors(CorrectionResult& result) {
+  const ProcessModel& model = result.initial;
+  const std::vector<NoiseEstimate>& noise =
+      result.estimate.fit.output_error.full.noise;
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const double deviation = noise[i].stamp_deviation;
+    if (deviation < result.data.sample_time()) continue;
+    const std::string& name = model.outputs()[i].name;
+    result.notes.push_back(
+        {MessageCode::kSampling,
+         name,
+         absl::StrFormat(
+             "%s: its time stamps are off at random, it seems, by some %.2g %s "
+             "(standard deviation): intervals take that in. What all have in "
+             "common is part of its dead times.",
+             name, deviation, model.time_unit()),
+         {}});
+  }
+}
+
 // Scores are of the likelihood's proposal. They say nothing of an output of
 // which the instruments' estimate is taken in its place, and one that keeps its
 // model predicts as it did.
@@ -167,6 +190,7 @@ absl::StatusOr<CorrectionResult> BuildResult(Candidates candidates,
   result.notes = result.data.notes;
   result.warnings = result.data.warnings;
   NoteHorizon(result);
+  NoteStampErrors(result);
   const Stage making(result.options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());
   MLE_RETURN_IF_ERROR(MakeModels(result));

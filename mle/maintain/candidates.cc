@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/data/stretches.h"
 #include "mle/maintain/outlier_search.h"
@@ -75,27 +73,6 @@ absl::StatusOr<std::vector<Record>> UsualRest(const ProcessModel& model,
   return std::move(rest.usual);
 }
 
-// Smaller ones are nothing to be told of.
-void NoteStampErrors(Candidates& candidates) {
-  const ProcessModel& model = candidates.initial;
-  const std::vector<NoiseEstimate>& noise =
-      candidates.estimate.fit.output_error.full.noise;
-  for (std::size_t i = 0; i < noise.size(); ++i) {
-    const double deviation = noise[i].stamp_deviation;
-    if (deviation < candidates.sample_time()) continue;
-    const std::string& name = model.outputs()[i].name;
-    candidates.data.notes.push_back(
-        {MessageCode::kSampling,
-         name,
-         absl::StrFormat(
-             "%s: its time stamps are off at random, it seems, by some %.2g %s "
-             "(standard deviation): intervals take that in. What all have in "
-             "common is part of its dead times.",
-             name, deviation, model.time_unit()),
-         {}});
-  }
-}
-
 // All that needs fits to the windows, whose outliers are marked first.
 absl::Status FitWindows(Candidates& candidates) {
   for (const Message& obstacle : candidates.data.obstacles) {
@@ -118,7 +95,6 @@ absl::Status FitWindows(Candidates& candidates) {
   MLE_ASSIGN_OR_RETURN(
       candidates.estimate,
       EstimateModel(model, candidates.windows, estimation, options.progress));
-  NoteStampErrors(candidates);
   if (!options.examine) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(
       candidates.information,

@@ -154,10 +154,9 @@ absl::StatusOr<std::optional<CorrectionResult>> CorrectBent(
   }
   std::optional<Verdict> decided = OfCurves(model, verdict, held);
   if (!decided.has_value()) return std::optional<CorrectionResult>();
-  MLE_ASSIGN_OR_RETURN(
-      CorrectionResult result,
-      BuildResult(std::move(candidates), std::move(validation),
-                  *std::move(decided)));
+  MLE_ASSIGN_OR_RETURN(CorrectionResult result,
+                       BuildResult(std::move(candidates), std::move(validation),
+                                   *std::move(decided)));
   return std::optional<CorrectionResult>(std::move(result));
 }
 

@@ -34,7 +34,7 @@ const TakenExplanation* TakenOf(const OutputExplanation& output,
 // By how many M other explanations do worse than a curve that was taken; 0
 // where one does better.
 double MarginOf(const OutputExplanation& output, const Explanation& curve) {
-  double margin = kElements;
+  double margin = kRivalMargin;
   for (const OutputExplanation::Tie& tie : output.ties) {
     if (tie.taken.SameAs(curve)) margin = std::min(margin, tie.margin);
   }
@@ -117,7 +117,7 @@ std::vector<FoundCurve> CurvesToHold(const Candidates& candidates) {
       if (!(taken->evidence > candidates.options.explain.evidence)) continue;
       holds = holds && !Misleads(competition, i) && PredictsBetter(output);
     }
-    holds = holds && margin >= kElements;
+    holds = holds && margin >= kRivalMargin;
     if (holds) held.push_back(curve);
   }
   return held;

@@ -15,10 +15,9 @@ namespace {
 // Beyond these double precision holds no curve.
 constexpr double kMostExponent = 100.0;
 constexpr double kMostRangeability = 1e6;
-constexpr double kMostValue = 1e60;   // of a channel, or of f
 constexpr double kMostSlope = 1e100;  // of f, or curvature; least: 1/it
 
-bool IsValue(double x) { return std::abs(x) <= kMostValue; }
+bool IsValue(double x) { return std::abs(x) <= kLargestSample; }
 
 bool IsSlope(double x) {
   return std::abs(x) >= 1.0 / kMostSlope && std::abs(x) <= kMostSlope;
@@ -26,7 +25,7 @@ bool IsSlope(double x) {
 
 absl::Status CheckValue(const char* name, double x) {
   if (IsValue(x)) return absl::OkStatus();
-  return InvalidArgument(name, " = ", x, " is beyond ±", kMostValue);
+  return InvalidArgument(name, " = ", x, " is beyond ±", kLargestSample);
 }
 
 // c of the two kinds that are exponentials.
@@ -94,7 +93,7 @@ absl::Status CheckPoints(const Transform& transform) {
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!IsValue(points[i].first) || !IsValue(points[i].second)) {
-      return InvalidArgument("points[", i, "] is beyond ±", kMostValue);
+      return InvalidArgument("points[", i, "] is beyond ±", kLargestSample);
     }
     if (i == 0) continue;
     const auto& [x, f] = points[i];
@@ -120,7 +119,7 @@ absl::Status CheckCharacteristic(const Transform& transform) {
       !IsValue(transform.low)) {
     return InvalidArgument(
         "closed at ", transform.low, " and open at ", transform.high,
-        ": open must be above closed, both within ±", kMostValue);
+        ": open must be above closed, both within ±", kLargestSample);
   }
   if (transform.kind != TransformKind::kEqualPercentage) {
     return absl::OkStatus();

@@ -53,12 +53,11 @@ VectorXd ResidualsAt(const OutputErrorProblem& problem, const OutputFit& fit,
   return residuals;
 }
 
-// The mean square of what errors of stamps make of each, by the three points of
-// Gauss and Hermite: 0 and, a sixth of the time each, ±√3 s.
+// The mean square of what errors of stamps make of each residual `at` 0, by the
+// three points of Gauss and Hermite: 0 and, a sixth of the time each, ±√3 s.
 VectorXd SquaresBy(const OutputErrorProblem& problem, const OutputFit& fit,
-                   double s) {
+                   const VectorXd& at, double s) {
   const double by = std::sqrt(3.0) * s;
-  const VectorXd at = ResidualsAt(problem, fit, 0.0);
   return ((ResidualsAt(problem, fit, by) - at).cwiseAbs2() +
           (ResidualsAt(problem, fit, -by) - at).cwiseAbs2()) /
          6.0;
@@ -76,6 +75,7 @@ void FindStampNoise(const OutputFit& fit, OutputErrorProblem& problem) {
   if (distance < kApart || !(fit.noise.variance > 0.0)) return;
   const double time = distance * problem.sample_time();
   const NoiseShape shape = ShapeOf(fit.noise);
+  const VectorXd at_zero = ResidualsAt(problem, fit, 0.0);
   // s uniform up to the largest one, integrated on a grid of logarithms.
   struct Possible {
     double deviation = 0.0;
@@ -87,7 +87,8 @@ void FindStampNoise(const OutputFit& fit, OutputErrorProblem& problem) {
   double variance = fit.noise.variance;
   for (double share = kLeastStampShare; share <= kMostStampShare;
        share *= kStep) {
-    Possible one = {share * time, SquaresBy(problem, fit, share * time)};
+    Possible one = {share * time,
+                    SquaresBy(problem, fit, at_zero, share * time)};
     for (int round = 0; round < kVarianceRounds; ++round) {
       problem.SetStampNoise(WeightsOf(one.squares, variance), 0.0);
       const Profile at = ShapeLikelihood(problem, fit.point, fit.free, shape,

@@ -84,6 +84,16 @@ TEST(CurvesHeldTest, AgeingBesideACurveIsCorrectedBetweenTransforms) {
   EXPECT_NEAR(result.model.element(0, 0).StaticGain(), 2.0, 0.25);
 }
 
+// The curve wins by what it explains of both outputs that the valve drives.
+TEST(CurvesHeldTest, ACurveIsJudgedOverAllOutputsOfItsInput) {
+  const CorrectionResult result =
+      CorrectModel(TwoLoops(), CloseLoops(TwoLoops(), 2, BentValve()));
+  ASSERT_EQ(result.decision, Decision::kCorrected)
+      << result.reasons.front().text;
+  ASSERT_EQ(result.curves.size(), 1U);
+  EXPECT_NEAR(result.curves.front().curvature, kCurvature, 0.3);
+}
+
 // y = ln(1 + a z)/a: the transform is an exponential.
 TEST(CurvesHeldTest, ALogarithmicOutputIsStraightened) {
   constexpr double kBend = 0.5;

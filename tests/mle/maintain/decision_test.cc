@@ -239,7 +239,6 @@ TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
   }
 }
 
-// Where set points do not judge no horizon may grow by more than a twentieth.
 TEST(DecisionTest, HorizonsFallTogether) {
   EXPECT_TRUE(FallTogether({0.9, 1.02}, 1.05));
   EXPECT_FALSE(FallTogether({0.99, 1.04}, 1.05));  // not in the mean
@@ -247,6 +246,7 @@ TEST(DecisionTest, HorizonsFallTogether) {
   EXPECT_FALSE(FallTogether({0.5, kNaN}, 1.05));
 }
 
+// Where set points do not judge no horizon may grow by more than a twentieth.
 TEST(DecisionTest, WhatIsHeldOutIsMoreStrictAsTheOnlyJudge) {
   for (const bool by_set_points : {true, false}) {
     OutputEvidence output = Output(Scores(0.3, 0.5, -0.2, 0.15));
