@@ -339,4 +339,9 @@ Competition::Energies Competition::EnergiesOf(int output,
           competition.UnitOf(*residual)};
 }
 
+double Competition::EnergyWith(
+    int output, const std::vector<Explanation>& explanations) const {
+  return competitions_[output]->EnergyWith(explanations);
+}
+
 }  // namespace mle

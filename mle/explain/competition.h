@@ -194,6 +194,9 @@ class Competition {
     double unit = 0.0;  // M of what the other leaves
   };
   Energies EnergiesOf(int output, const ProcessModel& model) const;
+  // E with these explanations, estimated again.
+  double EnergyWith(int output,
+                    const std::vector<Explanation>& explanations) const;
 
  private:
   Competition() = default;

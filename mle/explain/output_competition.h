@@ -36,6 +36,10 @@ class OutputCompetition {
 
   // E of these explanations, and M.
   double Energy(const std::vector<Explanation>& explanations) const;
+  // E once they are estimated again.
+  double EnergyWith(const std::vector<Explanation>& explanations) const {
+    return Estimate(explanations).energy;
+  }
   double unit() const { return unit_; }
   // M of a residual of another model.
   double UnitOf(const Eigen::VectorXd& residual) const {

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/data/stretches.h"
+#include "mle/maintain/means.h"
 #include "mle/maintain/outlier_search.h"
 #include "mle/maintain/stamps.h"
 #include "mle/maintain/unfitted.h"
@@ -135,10 +137,10 @@ absl::Status LeaveOutSmallChanges(Candidates& candidates) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::optional<Competition>> Compete(
-    const Candidates& candidates) {
+// Of data that may be other than the candidates' (means.h).
+absl::StatusOr<std::optional<Competition>> Compete(const Candidates& candidates,
+                                                   const RecordData& data) {
   const CorrectOptions& options = candidates.options;
-  const RecordData& data = candidates.data;
   if (!options.examine || !data.obstacles.empty() ||
       options.estimation.estimator == Estimator::kArx) {
     return std::optional<Competition>();
@@ -169,20 +171,19 @@ absl::StatusOr<std::optional<Competition>> Compete(
       Competition competition,
       Competition::Run(
           candidates.initial,
-          whole ? data.records : JoinAdjoining(candidates.windows).records,
+          whole ? data.records : JoinAdjoining(data.Records()).records,
           explain));
   return std::optional<Competition>(std::move(competition));
 }
 
-}  // namespace
-
-absl::StatusOr<Candidates> FindCandidates(const ProcessModel& model,
-                                          RecordData data,
-                                          const CorrectOptions& options) {
+absl::StatusOr<Candidates> CandidatesOf(const ProcessModel& model,
+                                        RecordData data,
+                                        const CorrectOptions& options) {
   Candidates candidates;
   candidates.initial = model;
   candidates.options = options;
   candidates.options.estimation.output_error.threads = options.threads;
+  candidates.given = data;
   candidates.data = std::move(data);
   MLE_ASSIGN_OR_RETURN(const int samples,
                        ResponseSamples(model, candidates.data, options));
@@ -200,8 +201,56 @@ absl::StatusOr<Candidates> FindCandidates(const ProcessModel& model,
     if (options.examine) candidates.information = NoInformation(model);
   }
   MLE_RETURN_IF_ERROR(LeaveOutSmallChanges(candidates));
-  MLE_ASSIGN_OR_RETURN(candidates.competition, Compete(candidates));
+  MLE_ASSIGN_OR_RETURN(candidates.competition,
+                       Compete(candidates, candidates.data));
   return candidates;
+}
+
+// Whether there is anything to be explained.
+bool IsExplained(const Competition& competition) {
+  return std::any_of(competition.outputs().begin(), competition.outputs().end(),
+                     [](const OutputExplanation& output) {
+                       return !output.taken.empty() ||
+                              output.left() > kMuchLeft;
+                     });
+}
+
+// Whether all samples are means over Δt.
+absl::StatusOr<bool> AreMeans(const Candidates& candidates) {
+  if (candidates.options.in_use || !candidates.competition.has_value() ||
+      !MayBeMeans(candidates.data) || !IsExplained(*candidates.competition)) {
+    return false;
+  }
+  MLE_ASSIGN_OR_RETURN(const std::optional<Competition> as_means,
+                       Compete(candidates, AsMeans(candidates.data)));
+  return AreMeans(*candidates.competition, *as_means);
+}
+
+Message MeansNote(const RecordData& data, const ProcessModel& model) {
+  return {
+      MessageCode::kSampling,
+      "",
+      absl::StrFormat(
+          "All samples seem to be means over the %.6g %s from one to the "
+          "next, and are used as such: what set points drive needs less to "
+          "be explained. The sampling of the tags would settle it (average, "
+          "stamp).",
+          data.sample_time(), model.time_unit()),
+      {}};
+}
+
+}  // namespace
+
+absl::StatusOr<Candidates> FindCandidates(const ProcessModel& model,
+                                          RecordData data,
+                                          const CorrectOptions& options) {
+  MLE_ASSIGN_OR_RETURN(Candidates candidates,
+                       CandidatesOf(model, std::move(data), options));
+  MLE_ASSIGN_OR_RETURN(const bool are_means, AreMeans(candidates));
+  if (!are_means) return candidates;
+  RecordData means = AsMeans(std::move(candidates.given));
+  means.notes.push_back(MeansNote(candidates.data, model));
+  return CandidatesOf(model, std::move(means), options);
 }
 
 double DetectableGain(const std::vector<OutputExplanation>& explanations,

@@ -26,6 +26,7 @@ namespace mle {
 struct Candidates {
   ProcessModel initial;
   CorrectOptions options;
+  RecordData given;
   RecordData data;              // outliers marked
   std::vector<Record> windows;  // of `data`
   StepResponse initial_response;

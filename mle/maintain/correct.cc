@@ -99,7 +99,7 @@ absl::StatusOr<std::optional<CorrectionResult>> CorrectWithin(
     const Candidates& candidates, const std::vector<FoundCurve>& curves,
     int rounds) {
   absl::StatusOr<BentPlant> bent =
-      WithCurves(candidates.initial, candidates.data, curves);
+      WithCurves(candidates.initial, candidates.given, curves);
   if (!bent.ok()) return std::optional<CorrectionResult>();
   MLE_ASSIGN_OR_RETURN(std::optional<CorrectionResult> within,
                        CorrectBent(bent->model, std::move(bent->data),
