@@ -12,18 +12,21 @@ namespace mle {
 namespace {
 
 // What a historian makes of a record: means over so many samples, stamped at
-// their start; of set points what holds there.
+// their start, of outputs on lines between samples; of set points what holds
+// there.
 Record MeansOver(int samples, const Record& record) {
   Record means;
   means.sample_time = samples * record.sample_time;
-  const Eigen::Index n = record.samples() / samples;
+  const Eigen::Index n = (record.samples() - 1) / samples;
   means.outputs.resize(record.num_outputs(), n);
   means.inputs.resize(record.num_inputs(), n);
   means.set_points.resize(record.num_outputs(), n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index from = k * samples;
-    means.outputs.col(k) =
-        record.outputs.middleCols(from, samples).rowwise().mean();
+    means.outputs.col(k) = 0.5 * (record.outputs.middleCols(from, samples) +
+                                  record.outputs.middleCols(from + 1, samples))
+                                     .rowwise()
+                                     .mean();
     means.inputs.col(k) =
         record.inputs.middleCols(from, samples).rowwise().mean();
     means.set_points.col(k) = record.set_points.col(from);
@@ -51,7 +54,7 @@ CorrectionResult CorrectedFrom(const Record& record) {
 
 bool SaysMeans(const CorrectionResult& result) {
   for (const Message& note : result.notes) {
-    if (note.text.find("All samples seem to be means over the 4 min") !=
+    if (note.text.find("All samples seem to be means over the 3 min") !=
         std::string::npos) {
       return true;
     }
@@ -59,17 +62,20 @@ bool SaysMeans(const CorrectionResult& result) {
   return false;
 }
 
-constexpr int kSamples = 4;
+constexpr int kSamples = 3;
 
+// So little noise that half a sample shows.
 Happening Long() {
   Happening happening;
+  happening.noise = 0.005;
+  happening.drift = 0.0025;
   happening.samples = 2400;
   return happening;
 }
 
 TEST(MeansTest, MeansOfAnUnagedPlantAreNoChange) {
-  const CorrectionResult result = CorrectedFrom(
-      MeansOver(kSamples, CloseLoops(TwoLoops(), 11, Long())));
+  const CorrectionResult result =
+      CorrectedFrom(MeansOver(kSamples, CloseLoops(TwoLoops(), 11, Long())));
   EXPECT_EQ(result.decision, Decision::kNoChange)
       << result.reasons.front().text;
   EXPECT_TRUE(SaysMeans(result));
