@@ -14,6 +14,8 @@ namespace {
 
 // The largest whole number that every JSON reader keeps exactly.
 constexpr double kLargestInteger = 9'007'199'254'740'991.0;
+// What options of limits read as no limit.
+constexpr char kNoLimit[] = "none";
 
 // A name, or numbers, as on the command line.
 absl::StatusOr<std::string> TextOfNode(const JsonNode& node,
@@ -26,6 +28,10 @@ absl::StatusOr<std::string> TextOfNode(const JsonNode& node,
   }
   std::vector<std::string> texts;
   for (const JsonNode& one : numbers) {
+    if (one.json() == kNoLimit) {
+      texts.emplace_back(kNoLimit);
+      continue;
+    }
     MLE_ASSIGN_OR_RETURN(const double number, one.Number(option.range));
     texts.push_back(ReadableNumber(number));
   }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "Eigen/Core"
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -33,6 +35,51 @@ constexpr std::chrono::hours kLongestCorrection(1);
 
 // The options of mle_correct, by name.
 using Options = std::vector<std::pair<std::string, std::string>>;
+
+std::string TextOf(const Eigen::VectorXd& values) {
+  std::vector<std::string> texts;
+  for (const double value : values) {
+    texts.push_back(std::isinf(value) ? "none" : ReadableNumber(value));
+  }
+  return absl::StrJoin(texts, ",");
+}
+
+// The plan, with the prices and the tuning that are in the list.
+void AddPlan(const Controller& controller, Options& options) {
+  const correct::NextMoveOptions& plan = *controller.plan;
+  const auto add = [&options](const char* name, const std::string& value) {
+    if (!value.empty()) options.emplace_back(name, value);
+  };
+  add("plan", "true");
+  add("plan_error", ReadableNumber(plan.error));
+  if (plan.longest.has_value()) {
+    add("plan_longest", ReadableNumber(*plan.longest));
+  }
+  add("plan_quiet", ReadableNumber(plan.quiet));
+  add("plan_set_points", absl::StrJoin(plan.set_points, ","));
+  add("plan_min_output", TextOf(plan.min_output));
+  add("plan_max_output", TextOf(plan.max_output));
+  add("plan_min_input", TextOf(plan.min_input));
+  add("plan_max_input", TextOf(plan.max_input));
+  if (controller.valuation.has_value()) {
+    const control::Prices& prices = controller.valuation->prices;
+    if (!prices.squared_error.isZero(0.0)) {
+      add("plan_price_squared", TextOf(prices.squared_error));
+    }
+    if (!prices.absolute_error.isZero(0.0)) {
+      add("plan_price_absolute", TextOf(prices.absolute_error));
+    }
+  }
+  if (!controller.tuning.has_value()) return;
+  const control::MpcOptions& tuning = *controller.tuning;
+  add("control_period", ReadableNumber(tuning.control_period));
+  add("prediction_horizon", absl::StrCat(tuning.prediction_horizon));
+  add("control_horizon", absl::StrCat(tuning.control_horizon));
+  add("output_weight", TextOf(tuning.output_weight.diagonal()));
+  add("move_weight", TextOf(tuning.move_weight.diagonal()));
+  add("disturbance_variance_ratio",
+      ReadableNumber(tuning.disturbance_variance_ratio));
+}
 
 class Correction {
  public:
@@ -88,6 +135,7 @@ Options Correction::OptionsFor(const std::string& folder) {
        {"ignore_other_columns", "any_word_is_bad", "skip_repeated_times"}) {
     options.emplace_back(flag, "true");
   }
+  if (controller_.plan.has_value()) AddPlan(controller_, options);
   return options;
 }
 
@@ -141,7 +189,13 @@ absl::Status Correction::Run(const std::string& folder, Proposal& proposal,
   MLE_RETURN_IF_ERROR(correct::WriteResult(
       result, json, HowToCallAgain(command, {}, correct::Checksums(result))));
   proposal.decision = NameOf(result.decision);
-  proposal.conclusion = absl::StrJoin(result.verdict, " ");
+  std::vector<std::string> conclusion = result.verdict;
+  if (result.next_move.has_value() && !result.accepted()) {
+    for (std::string& sentence : correct::DescribeNextMove(result)) {
+      conclusion.push_back(std::move(sentence));
+    }
+  }
+  proposal.conclusion = absl::StrJoin(conclusion, " ");
   if (result.accepted()) {
     BeginTrial(request_.model, result.model, result.data.sample_time(),
                result.data.records, day_, watch);

@@ -165,6 +165,25 @@ absl::Status ReadTuning(const JsonNode& node, control::MpcOptions& tuning) {
              tuning.prediction_horizon);
 }
 
+// The options of a plan by the names that they have in the list.
+absl::Status ReadPlan(const JsonNode& node, correct::NextMoveOptions& plan) {
+  std::vector<Option> options =
+      Only(correct::OptionsOf(plan),
+           {"plan_error", "plan_longest", "plan_quiet", "plan_min_output",
+            "plan_max_output", "plan_min_input", "plan_max_input"});
+  std::vector<std::string> keys = {"set_points"};
+  for (Option& option : options) {
+    option.name.erase(0, std::strlen("plan_"));
+    keys.push_back(option.name);
+  }
+  MLE_RETURN_IF_ERROR(node.CheckKeys({}, keys));
+  if (node.Has("set_points")) {
+    MLE_ASSIGN_OR_RETURN(plan.set_points, node.At("set_points").Strings());
+  }
+  plan.wanted = true;
+  return ReadOptions(node, options);
+}
+
 absl::Status FitValues(const std::string& key, int channels,
                        Eigen::VectorXd& values) {
   absl::StatusOr<Eigen::VectorXd> fit = FitToChannels(values, channels);
@@ -188,7 +207,7 @@ absl::StatusOr<Controller> ParseController(
       {"name", "model", "records"},
       {"query", "table", "columns", "begin", "overlap_days", "tag_file",
        "time_zone", "sample_time", "reference_days", "level", "least_change",
-       "model_error", "prices", "tuning"}));
+       "model_error", "prices", "tuning", "plan"}));
   Controller controller;
   controller.list = list;
   MLE_ASSIGN_OR_RETURN(controller.name, node.At("name").Name());
@@ -218,6 +237,9 @@ absl::StatusOr<Controller> ParseController(
   if (node.Has("tuning")) {
     MLE_RETURN_IF_ERROR(
         ReadTuning(node.At("tuning"), controller.tuning.emplace()));
+  }
+  if (node.Has("plan")) {
+    MLE_RETURN_IF_ERROR(ReadPlan(node.At("plan"), controller.plan.emplace()));
   }
   return controller;
 }
@@ -270,6 +292,15 @@ absl::Status FitToModel(const ProcessModel& model, Controller& controller) {
                                     controller.valuation->allowed_error));
       MLE_RETURN_IF_ERROR(
           FitValues("prices.price_movement", m, prices.movement));
+    }
+    if (controller.plan.has_value()) {
+      correct::NextMoveOptions& plan = *controller.plan;
+      MLE_RETURN_IF_ERROR(FitValues("plan.min_output", p, plan.min_output));
+      MLE_RETURN_IF_ERROR(FitValues("plan.max_output", p, plan.max_output));
+      MLE_RETURN_IF_ERROR(FitValues("plan.min_input", m, plan.min_input));
+      MLE_RETURN_IF_ERROR(FitValues("plan.max_input", m, plan.max_input));
+      MLE_RETURN_IF_ERROR(
+          WithPrefix(correct::CheckNextMove(plan, model), "plan: "));
     }
     if (!controller.tuning.has_value()) return absl::OkStatus();
     control::MpcOptions& tuning = *controller.tuning;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/correct/next_move.h"
 #include "control/mpc_options.h"
 #include "control/operating_cost.h"
 #include "mle/base/double_limits.h"
@@ -51,6 +52,9 @@ struct Controller {
   // Vectors have one value, or one for each channel: see FitToModel().
   std::optional<Valuation> valuation = {};
   std::optional<control::MpcOptions> tuning = {};
+  // What corrections plan where records leave something open; nothing: they
+  // plan nothing.
+  std::optional<correct::NextMoveOptions> plan = {};
 };
 
 // Paths that are not absolute are taken from the folder of the file.
@@ -61,9 +65,9 @@ absl::StatusOr<std::vector<Controller>> ParseWatchFile(std::string_view json,
                                                        const std::string& path);
 absl::StatusOr<std::vector<Controller>> ReadWatchFile(const std::string& path);
 
-// Prices and tuning with a value for each channel of the model. InvalidArgument
-// names the file, the controller, the key, what was found and what would be
-// right.
+// Prices, tuning and limits of the plan with a value for each channel of the
+// model. InvalidArgument names the file, the controller, the key, what was
+// found and what would be right.
 absl::Status FitToModel(const ProcessModel& model, Controller& controller);
 
 }  // namespace mle::watch

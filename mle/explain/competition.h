@@ -13,7 +13,8 @@
 //
 //   evidence = n ln(1 + (E before − E after) / (n M)),
 //
-// e of M and N that of `after`, is above the one asked for. n is the number of
+// e of M and N that of `after`, is above the one asked for, and what is
+// improbable of the size of a change (PriorCost()) more. n is the number of
 // independent placebos, one in 3 τ of the record: where what the table explains
 // of chance has an exponential distribution and M is the mean of n such, the
 // probability of this much by chance is (1 + R/n)⁻ⁿ = exp(−evidence). Backward:

@@ -15,6 +15,8 @@ constexpr double kUsual = 0.0;
 constexpr double kRarer = 0.6;
 constexpr double kRare = 1.0;
 constexpr double kRarest = 2.0;
+// The standard deviation of θ of what has aged.
+constexpr double kUsualAgeing = 0.6;
 
 }  // namespace
 
@@ -237,6 +239,12 @@ double ValueOf(const std::vector<Explanation>& explanations,
     return explanation.value;
   }
   return 0.0;
+}
+
+double PriorCost(const Explanation& explanation) {
+  if (!IsAgeing(explanation.kind)) return 0.0;
+  const double deviations = explanation.value / kUsualAgeing;
+  return 0.5 * deviations * deviations;
 }
 
 double GainAtEnd(const std::vector<Explanation>& explanations, int input) {

@@ -109,6 +109,11 @@ double ValueOf(const std::vector<Explanation>& explanations,
                ExplanationKind kind, int index, bool* found = nullptr,
                int* part = nullptr);
 
+// −ln of how probable θ is before the records, against 0: of ageing, θ²/(2σ²)
+// with σ = 0.6 (a gain that is half or twice as large: 0.7; five times: 3.6); 0
+// of all else. That much more evidence is asked for.
+double PriorCost(const Explanation& explanation);
+
 // The factor by which the gain of an element has changed at the end of the
 // records, beside any other; 1 where it did not change during them, or only for
 // a time.

@@ -192,7 +192,8 @@ double OutputCompetition::EvidenceFor(const Explanation& explanation) const {
   const bool expected = OpenLoop() && options_.expected.size() > 0 &&
                         IsAgeing(explanation.kind) &&
                         options_.expected(output_.output(), explanation.index);
-  return expected ? EvidenceOfOne() : options_.evidence;
+  return PriorCost(explanation) +
+         (expected ? EvidenceOfOne() : options_.evidence);
 }
 
 double OutputCompetition::EvidenceOfOne() const {

@@ -222,6 +222,10 @@ TEST_F(MleWatchTest, AnAlarmThatIsNotTakenIsHandedOnAgain) {
 
 TEST_F(MleWatchTest, ACorrectionIsRunAndKeptWhole) {
   WriteDays(0, 40);
+  scratch_.Write("controllers.json", R"({"version": 1, "controllers": [
+        {"name": "tank", "model": "tank.json", "records": "records",
+         "reference_days": 8,
+         "plan": {"error": 0.05, "max_output": [9], "min_input": "none"}}]})");
   std::vector<std::string> arguments = Arguments("watch");
   arguments[2] = "--propose=true";
   // As a run that was killed before its state was saved leaves it.
@@ -239,7 +243,11 @@ TEST_F(MleWatchTest, ACorrectionIsRunAndKeptWhole) {
   EXPECT_EQ(result["decision"], "corrected");
   EXPECT_THAT(
       std::string(result["command"]),
-      AllOf(HasSubstr("mle_correct --model="), HasSubstr("--begin=2026-01-2")));
+      AllOf(HasSubstr("mle_correct --model="), HasSubstr("--begin=2026-01-2"),
+            HasSubstr("--plan=true --plan_error=0.05"),
+            HasSubstr("--plan_max_output=9 --plan_min_input=none")));
+  // The gain is known better than asked for.
+  EXPECT_EQ(result["plan"]["state"], "nothing_needed");
   for (const char* const file : {"report.html", "fopdt.json", "model.mat"}) {
     EXPECT_TRUE(fs::exists(absl::StrCat(folder, "/", file))) << file;
   }

@@ -1,10 +1,13 @@
 #include "apps/watch/watch_file.h"
 
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_model.h"
 
 namespace mle::watch {
 namespace {
@@ -173,6 +176,60 @@ TEST(WatchFileTest, MistakesInPricesAndTuningAreNamed) {
                              "control_horizon": 5, "output_weight": 0.2,
                              "move_weight": 0.1})")),
       AllOf(HasSubstr("tuning.control_horizon"), HasSubstr("at most")));
+}
+
+std::string PlannedJson(const std::string& plan) {
+  return R"({"version": 1, "controllers": [
+      {"name": "a", "model": "m", "records": "r", "plan": )" +
+         plan + "}]}";
+}
+
+ProcessModel OneTank() {
+  ProcessModel model("m", "min", {{"feed", ""}}, {{"level", ""}});
+  model.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 0.0);
+  return model;
+}
+
+TEST(WatchFileTest, APlanHasTheOptionsOfACorrection) {
+  auto controllers = ParseWatchFile(PlannedJson("{}"), "site/c.json");
+  ASSERT_TRUE(controllers.ok()) << controllers.status();
+  EXPECT_TRUE(controllers->front().plan->wanted);
+  EXPECT_EQ(controllers->front().plan->error, 0.1);
+  EXPECT_EQ(controllers->front().plan->max_output.size(), 0);
+  controllers =
+      ParseWatchFile(PlannedJson(R"({"error": 0.05, "longest": 600, "quiet": 10,
+                      "set_points": ["level"], "min_output": [-1],
+                      "max_input": "none"})"),
+                     "site/c.json");
+  ASSERT_TRUE(controllers.ok()) << controllers.status();
+  ASSERT_TRUE(FitToModel(OneTank(), controllers->front()).ok());
+  const correct::NextMoveOptions& plan = *controllers->front().plan;
+  EXPECT_EQ(plan.error, 0.05);
+  EXPECT_EQ(plan.longest, 600.0);
+  EXPECT_EQ(plan.quiet, 10.0);
+  EXPECT_EQ(plan.set_points, std::vector<std::string>{"level"});
+  EXPECT_EQ(plan.min_output[0], -1.0);
+  EXPECT_TRUE(std::isinf(plan.max_input[0]));
+}
+
+TEST(WatchFileTest, MistakesInPlansAreNamed) {
+  EXPECT_THAT(ErrorOf(PlannedJson(R"({"error": 2})")),
+              AllOf(HasSubstr("controllers[0].plan.error"), HasSubstr("2")));
+  EXPECT_THAT(ErrorOf(PlannedJson(R"({"plan_error": 0.1})")),
+              AllOf(HasSubstr("controllers[0].plan"), HasSubstr("error")));
+  EXPECT_THAT(ErrorOf(PlannedJson(R"({"max_output": "high"})")),
+              AllOf(HasSubstr("plan.max_output"), HasSubstr("\"high\"")));
+  const auto fit = [](const char* plan) {
+    auto controllers = ParseWatchFile(PlannedJson(plan), "site/c.json");
+    EXPECT_TRUE(controllers.ok()) << controllers.status();
+    return std::string(FitToModel(OneTank(), controllers->front()).message());
+  };
+  EXPECT_THAT(fit(R"({"max_output": [1, 2]})"),
+              AllOf(HasSubstr("site/c.json: controller \"a\""),
+                    HasSubstr("plan.max_output: 2 values")));
+  EXPECT_THAT(
+      fit(R"({"set_points": ["flow"]})"),
+      AllOf(HasSubstr("plan: "), HasSubstr("flow"), HasSubstr("it has level")));
 }
 
 TEST(WatchFileTest, AsManyValuesAsTheModelHasChannels) {
