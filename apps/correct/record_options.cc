@@ -295,7 +295,7 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "min", kNotNegative},
       {"window_after", &windows.after,
        "Length of the record kept after a set-point change; 0: 1.5 times the "
-       "model's settling time.",
+       "model's settling time, 20 samples at least.",
        "min", kNotNegative},
       {"min_setpoint_change", &windows.min_change,
        "Largest change of a set point that is ignored.", "", kNotNegative},

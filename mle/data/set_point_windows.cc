@@ -104,17 +104,23 @@ struct Extent {
   double join = 0.0;
 };
 
+constexpr double kFewest = kMinWindowSamples;
+
 Extent InSamples(const WindowOptions& options, double settling,
                  double sample_time) {
   Extent extent;
   extent.settling = std::ceil(settling / sample_time - 1e-9);
   extent.before = std::round(
       (options.before > 0.0 ? options.before : settling) / sample_time);
-  extent.after = std::round(
-      (options.after > 0.0 ? options.after : 1.5 * settling) / sample_time);
-  extent.join = options.join_within > 0.0
-                    ? std::round(options.join_within / sample_time)
-                    : std::min(extent.settling, extent.after);
+  // Windows of slow samples are longer than the plant needs, not too short.
+  extent.after =
+      options.after > 0.0
+          ? std::round(options.after / sample_time)
+          : std::max(std::round(1.5 * settling / sample_time), kFewest);
+  extent.join =
+      options.join_within > 0.0
+          ? std::round(options.join_within / sample_time)
+          : std::max(std::min(extent.settling, extent.after), kFewest);
   return extent;
 }
 
@@ -398,6 +404,8 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
   const std::vector<std::vector<SetPointChange>> changes =
       FindChanges(records, options);
   WindowSet set;
+  int short_windows = 0;
+  std::string first_short;
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Record& record = records[r];
     const Extent extent = InSamples(options, settling, record.sample_time);
@@ -410,11 +418,13 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
     for (const Group& group : groups) {
       const int usable = group.end - group.first_change();
       if (usable < kMinWindowSamples) {
-        set.warnings.push_back(
-            absl::StrCat("the change at ",
-                         options.times.At(record.time(group.first_change())),
-                         " has ", usable, " samples after it, at least ",
-                         kMinWindowSamples, " are needed; it is left out"));
+        if (short_windows == 0) {
+          first_short =
+              absl::StrCat("the change at ",
+                           options.times.At(record.time(group.first_change())),
+                           " has ", usable, " samples after it");
+        }
+        ++short_windows;
       } else {
         MLE_ASSIGN_OR_RETURN(
             SetPointWindow window,
@@ -426,6 +436,15 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
       }
       settled = group.last_change() + extent.settling;
     }
+  }
+  if (short_windows > 0) {
+    set.warnings.push_back(absl::StrCat(
+        first_short,
+        short_windows > 1
+            ? absl::StrCat(", ", short_windows - 1, " more are like it")
+            : "",
+        ": at least ", kMinWindowSamples, " are needed; ",
+        short_windows > 1 ? "they are left out" : "it is left out"));
   }
   const bool by_hand = options.change_times.empty() &&
                        options.by_hand.empty() && !set.windows.empty() &&

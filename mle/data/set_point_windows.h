@@ -69,11 +69,12 @@ struct ByHand {
 
 struct WindowOptions {
   // Kept before a change and after the last that shares the window, ≥ 0; 0:
-  // the model's settling time before (SettlingTime()), 1.5 times it after.
+  // the model's settling time before (SettlingTime()), 1.5 times it after, and
+  // 20 samples at least.
   double before = 0.0;
   double after = 0.0;
   // Changes share a window if the next follows within this, ≥ 0; 0: the model's
-  // settling time, or `after` where that is shorter.
+  // settling time, or `after` where that is shorter, and 20 samples at least.
   double join_within = 0.0;
   // Changes of set point up to this size, ≥ 0, are ignored (in the unit of each
   // output: the rounding of the set points, say).

@@ -89,7 +89,9 @@ absl::Status NoWindows(const RecordData& data) {
       absl::StrCat(
           "there is nothing to learn from in ",
           files.empty() ? "the records" : absl::StrJoin(files, ", "),
-          AnyMoves(data.records, &Record::inputs)
+          AnyMoves(data.records, &Record::set_points)
+              ? ": no set point that changes rests long enough after it"
+          : AnyMoves(data.records, &Record::inputs)
               ? ": no set point changes, and inputs that move may answer "
                 "disturbances"
               : ": no set point changes, nor does any input move",

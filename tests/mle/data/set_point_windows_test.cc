@@ -153,6 +153,32 @@ TEST(FindWindowsTest, AreClippedWhereTheRecordEnds) {
   EXPECT_THAT(set.warnings[1], HasSubstr("one window only"));
 }
 
+// A settling time of eleven samples: windows have what a fit needs.
+TEST(FindWindowsTest, SlowSamplesHaveWindowsThatAreLongEnough) {
+  Record slow = Noise(200, 5, {{60, 0, 7, 9}, {100, 0, 9, 7}, {112, 0, 7, 8}});
+  slow.sample_time = 10.0;
+  const WindowSet set = Found({slow});
+  ASSERT_EQ(set.windows.size(), 2u);
+  EXPECT_TRUE(set.warnings.empty()) << set.warnings.front();
+  for (const SetPointWindow& window : set.windows) {
+    EXPECT_GE(window.record.samples() - 1 - window.changes.back().sample, 20);
+  }
+  EXPECT_EQ(set.windows[1].changes.size(), 2u);
+}
+
+TEST(FindWindowsTest, ShortWindowsAreCountedAndSaidOnce) {
+  std::vector<Record> records;
+  for (const int at : {185, 190, 195}) {
+    records.push_back(Noise(200, 5, {{at, 0, 7, 9}}));
+  }
+  const WindowSet set = Found(records);
+  EXPECT_TRUE(set.windows.empty());
+  ASSERT_EQ(set.warnings.size(), 1u);
+  EXPECT_THAT(set.warnings[0],
+              HasSubstr("has 14 samples after it, 2 more are like it: at least "
+                        "20 are needed; they are left out"));
+}
+
 TEST(FindWindowsTest, OfChangesThatShareAWindowTheLastMayComeLate) {
   const WindowSet set =
       Found({Noise(700, 5, {{30, 0, 7, 9}, {600, 1, 8, 6}, {690, 0, 9, 7}})});
