@@ -244,7 +244,7 @@ double ValueOf(const std::vector<Explanation>& explanations,
 double PriorCost(const Explanation& explanation) {
   if (!IsAgeing(explanation.kind)) return 0.0;
   const double deviations = explanation.value / kUsualAgeing;
-  return 0.5 * deviations * deviations;
+  return std::max(0.0, 0.5 * (deviations * deviations - 1.0));
 }
 
 double GainAtEnd(const std::vector<Explanation>& explanations, int input) {

@@ -109,9 +109,10 @@ double ValueOf(const std::vector<Explanation>& explanations,
                ExplanationKind kind, int index, bool* found = nullptr,
                int* part = nullptr);
 
-// −ln of how probable θ is before the records, against 0: of ageing, θ²/(2σ²)
-// with σ = 0.6 (a gain that is half or twice as large: 0.7; five times: 3.6); 0
-// of all else. That much more evidence is asked for.
+// −ln of how probable a change of this size is before the records, against one
+// that is usual: of ageing (θ²/σ² − 1)/2 with σ = 0.6, at least 0 (a gain twice
+// as large: 0.2; five times: 3.1); 0 of all else. That much more evidence is
+// asked for.
 double PriorCost(const Explanation& explanation);
 
 // The factor by which the gain of an element has changed at the end of the

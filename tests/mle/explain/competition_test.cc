@@ -336,14 +336,14 @@ TEST(ExplanationTest, AChangeDuringTheRecordsHoldsAtTheirEndOrIsOver) {
   EXPECT_EQ(ShareOfChange(6, 0.51), 1.0);
 }
 
-// Twice the change is as improbable as the square, either way.
 TEST(ExplanationTest, ALargeChangeOfAnElementIsImprobable) {
   for (const ExplanationKind kind :
        {ExplanationKind::kGain, ExplanationKind::kTimeConstant,
         ExplanationKind::kDeadTime}) {
     EXPECT_EQ(PriorCost({kind, 0, 0.0}), 0.0);
-    EXPECT_NEAR(PriorCost({kind, 0, 0.6}), 0.5, 1e-12);
-    EXPECT_NEAR(PriorCost({kind, 1, -1.2}), 2.0, 1e-12);
+    EXPECT_EQ(PriorCost({kind, 0, 0.5}), 0.0);
+    EXPECT_NEAR(PriorCost({kind, 0, 0.72}), 0.22, 1e-12);
+    EXPECT_NEAR(PriorCost({kind, 1, -1.2}), 1.5, 1e-12);
   }
   EXPECT_EQ(PriorCost({ExplanationKind::kCurvedInput, 0, 1.2}), 0.0);
   EXPECT_EQ(PriorCost({ExplanationKind::kRateLimit, 0, 3.0}), 0.0);
