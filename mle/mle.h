@@ -13,16 +13,9 @@
 #ifndef MLE_MLE_H_
 #define MLE_MLE_H_
 
-#include "mle/base/version.h"             // IWYU pragma: export
 #include "mle/data/historian.h"           // IWYU pragma: export
 #include "mle/data/record.h"              // IWYU pragma: export
-#include "mle/database/record_sources.h"  // IWYU pragma: export
-#include "mle/exchange/model_file.h"      // IWYU pragma: export
 #include "mle/maintain/correct.h"         // IWYU pragma: export
-#include "mle/maintain/select_output.h"   // IWYU pragma: export
 #include "mle/model/process_model.h"      // IWYU pragma: export
-#include "mle/monitor/change_evidence.h"  // IWYU pragma: export
-#include "mle/monitor/model_watch.h"      // IWYU pragma: export
-#include "mle/trial/model_trial.h"        // IWYU pragma: export
 
 #endif  // MLE_MLE_H_

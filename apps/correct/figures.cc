@@ -60,7 +60,7 @@ NamedFigure MismatchFigure(const Result& result) {
 }
 
 bool HasLossFigure(const Result& result) {
-  return result.estimate.fit.arx.has_value() &&
+  return result.estimate.fit.arx != nullptr &&
          result.estimate.fit.arx->selection().loss.size() > 1;
 }
 

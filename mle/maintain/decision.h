@@ -30,7 +30,7 @@
 //   nothing proposed, no pair informed                  kCannotTell
 //   nothing proposed                                    kNoChange
 //
-// "By more than chance" is `deviations` standard errors (hold_out.h); of single
+// "By more than chance" is `deviations` standard errors (validation.h); of single
 // windows it is what has the same probability in any of them (Bonferroni).
 // One function decides, for every estimator, command and study.
 
@@ -43,7 +43,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "mle/maintain/hold_out.h"
+#include "mle/maintain/validation.h"
 #include "mle/maintain/message.h"
 
 namespace mle {

@@ -1,4 +1,4 @@
-#include "mle/maintain/estimator.h"
+#include "mle/maintain/estimation.h"
 
 #include "absl/strings/str_cat.h"
 

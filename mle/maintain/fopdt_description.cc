@@ -1,4 +1,4 @@
-#include "mle/maintain/fopdt_description.h"
+#include "mle/maintain/corrected_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "mle/maintain/state_space_form.h"
+#include "mle/maintain/corrected_model.h"
 
 #include <algorithm>
 #include <utility>

@@ -79,7 +79,7 @@ bool FitThoseOfStart(const OutputPoint& start, const OutputFitBounds& bounds,
   at_start.point = start;
   at_start.noise =
       EstimateNoise(problem, start, fit.free, NoiseEstimate(),
-                    options.estimate_drift, /*search_colour=*/false);
+                    options.estimate_drift, /*search_ar=*/false);
   const std::optional<Disturbance> found = Find(problem, at_start, options);
   if (!found.has_value()) return false;
   const std::vector<double> lines = problem.lines();

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 #include <algorithm>
 #include <array>

@@ -19,18 +19,18 @@ std::vector<NoiseEstimate> Noises() {
           {.variance = 1e-6, .ratio = 1e6},
           {.variance = 0.3,
            .ratio = 1e-4,
-           .colour_ratio = 0.5,
-           .colour_pole = 0.95},
+           .ar_ratio = 0.5,
+           .ar_pole = 0.95},
           {.variance = 0.3,
            .ratio = 1e-6,
-           .colour_ratio = 1e-4,
-           .colour_pole = 0.98,
-           .colour_damping = 1.7},
+           .ar_ratio = 1e-4,
+           .ar_pole = 0.98,
+           .ar_damping = 1.7},
           {.variance = 0.3,
            .ratio = 1e-6,
-           .colour_ratio = 1e-2,
-           .colour_pole = 0.9,
-           .colour_damping = 0.1}};
+           .ar_ratio = 1e-2,
+           .ar_pole = 0.9,
+           .ar_damping = 0.1}};
 }
 
 // Anderson and Moore, Optimal Filtering, 1979, ch. 4: of a walk in white noise

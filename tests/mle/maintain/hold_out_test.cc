@@ -1,4 +1,4 @@
-#include "mle/maintain/hold_out.h"
+#include "mle/maintain/validation.h"
 
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "mle/maintain/residual_diagnostics.h"
+#include "mle/maintain/validation.h"
 
 #include <cmath>
 #include <vector>
