@@ -13,9 +13,9 @@
 #ifndef MLE_MLE_H_
 #define MLE_MLE_H_
 
-#include "mle/data/historian.h"           // IWYU pragma: export
-#include "mle/data/record.h"              // IWYU pragma: export
-#include "mle/maintain/correct.h"         // IWYU pragma: export
-#include "mle/model/process_model.h"      // IWYU pragma: export
+#include "mle/data/historian.h"       // IWYU pragma: export
+#include "mle/data/record.h"          // IWYU pragma: export
+#include "mle/maintain/correct.h"     // IWYU pragma: export
+#include "mle/model/process_model.h"  // IWYU pragma: export
 
 #endif  // MLE_MLE_H_

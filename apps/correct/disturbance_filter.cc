@@ -14,6 +14,7 @@
 #include "control/expected_operation.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
+#include "mle/filter/disturbance_system.h"
 
 namespace mle::correct {
 namespace {

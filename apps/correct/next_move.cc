@@ -16,6 +16,7 @@
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/segments.h"
+#include "mle/maintain/stage.h"
 #include "sim/closed_loop.h"
 #include "sim/set_point_profile.h"
 

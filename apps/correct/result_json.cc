@@ -68,8 +68,8 @@ Json NoiseJson(const Result& result, int i) {
   if (!lines.empty()) json["lines"] = std::move(lines);
   Json steps = Json::array();
   const Segments stretches = estimate.steps.empty()
-                                  ? Segments()
-                                  : JoinAdjoining(result.data.Records());
+                                 ? Segments()
+                                 : JoinAdjoining(result.data.Records());
   for (const LevelStep& step : estimate.steps) {
     Json one = {{"window", stretches.WindowAt(step.record, step.time) + 1},
                 {"time", step.time},

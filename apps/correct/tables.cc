@@ -276,8 +276,7 @@ Table NoiseTable(const Result& result) {
          coloured ? FormatSignificant(noise.ar_memory() *
                                       result.initial_response.sample_time)
                   : "–",
-         noise.ar_damping > 0.0 ? FormatSignificant(noise.ar_damping)
-                                    : "–",
+         noise.ar_damping > 0.0 ? FormatSignificant(noise.ar_damping) : "–",
          periods.empty() ? "–" : absl::StrJoin(periods, ", "),
          steps.empty() ? "–" : absl::StrJoin(steps, ", "),
          noise.offset ? "yes" : "no"});

@@ -178,23 +178,23 @@ void PlaceWindows(const Extent& extent, int samples,
 
 // Samples first … last of a record, less what the model makes of the inputs.
 std::vector<SteadyOperation> TestParts(const Record& record,
-                                 const ProcessModel& model, int first, int last,
-                                 double settling,
-                                 const WindowOptions& options) {
+                                       const ProcessModel& model, int first,
+                                       int last, double settling,
+                                       const WindowOptions& options) {
   if (last < first) return std::vector<SteadyOperation>(record.num_outputs());
   const Eigen::MatrixXd residual = ModelResidual(
       record, model, first, last, static_cast<int>(std::min(settling, 1e9)));
   std::vector<SteadyOperation> parts;
   for (int i = 0; i < record.num_outputs(); ++i) {
-    parts.push_back(
-        TestSteadyOperation(residual.row(i), record.time(first), record.sample_time,
-                      {options.report_threshold, options.report_size}));
+    parts.push_back(TestSteadyOperation(
+        residual.row(i), record.time(first), record.sample_time,
+        {options.report_threshold, options.report_size}));
   }
   return parts;
 }
 
-// `settled`: the first sample of the record at which the plant has settled after
-// the change before.
+// `settled`: the first sample of the record at which the plant has settled
+// after the change before.
 absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
                                           const ProcessModel& model,
                                           const Group& group, int settled,

@@ -30,7 +30,7 @@ namespace mle {
 struct SteadyOperation {
   enum class Verdict {
     kUnknown,    // too short to say
-    kSteady,      // noise about a constant
+    kSteady,     // noise about a constant
     kDrifting,   // a trend
     kDisturbed,  // a step
   };
@@ -68,8 +68,8 @@ struct WindowOptions {
   std::vector<double> change_times = {};
   // Moves of inputs in these count as changes, too, those of set points do not.
   std::vector<ByHand> by_hand = {};
-  // Standard deviations that a trend or a step in steady operation must have to be
-  // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
+  // Standard deviations that a trend or a step in steady operation must have to
+  // be reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
   double report_threshold = 5.0;
   // And standard deviations of the noise that its size must have, ≥ 0.
   double report_size = 1.0;

@@ -60,7 +60,7 @@ Explanation FitStep(const std::vector<double>& values) {
 }  // namespace
 
 SteadyOperation TestSteadyOperation(const SampleRow& samples, double start_time,
-                        double sample_time, SteadyLimits limits) {
+                                    double sample_time, SteadyLimits limits) {
   SteadyOperation part;
   part.noise = WhiteDeviation(samples);
   int used = 0;

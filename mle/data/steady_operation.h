@@ -21,7 +21,7 @@ struct SteadyLimits {
 };
 
 SteadyOperation TestSteadyOperation(const SampleRow& samples, double start_time,
-                        double sample_time, SteadyLimits limits);
+                                    double sample_time, SteadyLimits limits);
 
 }  // namespace mle
 

@@ -95,8 +95,8 @@ inline constexpr double kRivalMargin = 5.0;
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;
 
-// Outputs drive inputs where the p-value of that test (feedback.h) is below this
-// level.
+// Outputs drive inputs where the p-value of that test (feedback.h) is below
+// this level.
 inline constexpr double kFeedback = 0.01;
 
 // The explanations of one output, and the evidence for them.

@@ -16,7 +16,7 @@ constexpr double kSmallStep = 1e-15;
 DisturbanceSystem EverySample(const NoiseEstimate& noise) {
   const bool coloured = noise.ar_ratio > 0.0;
   const ArComponent ar(coloured ? noise.ar_pole : 0.0,
-                      coloured ? noise.ar_damping : 0.0);
+                       coloured ? noise.ar_damping : 0.0);
   const Eigen::Index n = coloured ? 1 + ar.order() : 1;
   DisturbanceSystem system{.A = StateMatrix::Zero(n, n),
                            .C = StateRow::Zero(n),

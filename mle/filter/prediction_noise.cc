@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mle/data/record.h"
-#include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/ar_search.h"
+#include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_problem.h"
 

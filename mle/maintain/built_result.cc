@@ -11,6 +11,7 @@
 #include "mle/data/segments.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/explained.h"
+#include "mle/maintain/stage.h"
 #include "mle/maintain/usual_residuals.h"
 
 namespace mle {

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/correction/conversion.h"
 #include "mle/correction/excitation.h"
 #include "mle/nonlinear/ar_component.h"
 
@@ -184,7 +185,7 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
     const double step = std::sqrt(noise[i].ratio * kPaperNoiseVariance);
     double level = 0.0;
     ArSignal coloured(ArComponent(noise[i].ar_pole, noise[i].ar_damping),
-                          noise[i].ar_ratio * kPaperNoiseVariance, ar);
+                      noise[i].ar_ratio * kPaperNoiseVariance, ar);
     for (int k = 0; k < record.samples(); ++k) {
       record.outputs(i, k) += level + coloured.value();
       level += walk.Draw(step);

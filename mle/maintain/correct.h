@@ -33,9 +33,9 @@
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/decision.h"
 #include "mle/maintain/estimation.h"
-#include "mle/maintain/validation.h"
 #include "mle/maintain/message.h"
 #include "mle/maintain/records.h"
+#include "mle/maintain/validation.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 

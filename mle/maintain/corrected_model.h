@@ -4,8 +4,8 @@
 // First-order elements with dead time have standard errors where the records
 // give them. An element that is of first order is itself. Of another shape
 // g₀(Ts) of the output-error correction the best first-order fit K, T_f, L_f to
-// its step response is taken; stretching the time scale T stretches that fit alike, so
-// that with l₀ = (L_f − L)/T
+// its step response is taken; stretching the time scale T stretches that fit
+// alike, so that with l₀ = (L_f − L)/T
 //
 //   T_f = const · T,   L_f = L + l₀ T
 //

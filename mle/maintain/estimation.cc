@@ -10,7 +10,10 @@
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
 #include "mle/data/segments.h"
+#include "mle/maintain/channel_scales.h"
 #include "mle/maintain/fit_by_output_error.h"
+#include "mle/maintain/prediction.h"
+#include "mle/maintain/stage.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {

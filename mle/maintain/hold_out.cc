@@ -1,5 +1,3 @@
-#include "mle/maintain/validation.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,8 @@
 #include "mle/base/status.h"
 #include "mle/data/line.h"
 #include "mle/data/segments.h"
+#include "mle/maintain/stage.h"
+#include "mle/maintain/validation.h"
 
 namespace mle {
 namespace {

@@ -14,6 +14,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/record_columns.h"
 
 namespace mle {
 namespace {
@@ -145,8 +146,8 @@ struct Found {
 };
 
 absl::StatusOr<Found> AddByHand(const std::vector<Record>& modes, int tag,
-                                   const Place& place,
-                                   std::vector<ByHand>& segments) {
+                                const Place& place,
+                                std::vector<ByHand>& segments) {
   Found found;
   for (const Record& record : modes) {
     bool goes_on = false;

@@ -7,6 +7,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/maintain/stage.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/ar_component.h"
 #include "mle/nonlinear/distributions.h"
@@ -62,11 +63,10 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
       const double deviation = std::sqrt(noise[i].variance);
       const double step = std::sqrt(noise[i].increment_variance());
       double level = 0.0;
-      ArSignal coloured(
-          ArComponent(noise[i].ar_pole, noise[i].ar_damping),
-          noise[i].ar_ratio * noise[i].variance, ar);
-      const Eigen::RowVectorXd periodic = DrawLines(
-          noise[i].lines, record.sample_time, record.samples(), ar);
+      ArSignal coloured(ArComponent(noise[i].ar_pole, noise[i].ar_damping),
+                        noise[i].ar_ratio * noise[i].variance, ar);
+      const Eigen::RowVectorXd periodic =
+          DrawLines(noise[i].lines, record.sample_time, record.samples(), ar);
       for (int k = 0; k < record.samples(); ++k) {
         const double value =
             responses[w](i, k) + level + coloured.value() + periodic(k) +

@@ -424,8 +424,9 @@ absl::Status MistakeSearch::JudgeAll() {
   std::vector<absl::StatusOr<std::optional<double>>> ratios(candidates_.size());
   ParallelFor(static_cast<int>(candidates_.size()), threads_, [&](int c) {
     const auto rows = candidates_[c].rows();
-    ratios[c] = rows.ok() ? Judge(candidates_[c].hypothesis, *rows)
-                        : absl::StatusOr<std::optional<double>>(rows.status());
+    ratios[c] = rows.ok()
+                    ? Judge(candidates_[c].hypothesis, *rows)
+                    : absl::StatusOr<std::optional<double>>(rows.status());
   });
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     const OperatorMistake& mistake = candidates_[c].hypothesis.mistake;

@@ -39,8 +39,7 @@ absl::Status RecordScan::Take(Record piece, bool continues) {
   segment.continues = continues;
   if (continues) {
     segment.before = std::move(last_);
-    if (!segments_.empty() &&
-        segments_.back().number + 1 == segments_read_) {
+    if (!segments_.empty() && segments_.back().number + 1 == segments_read_) {
       segments_.back().after = PartOf(piece, 0, side);
     }
   }

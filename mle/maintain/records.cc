@@ -9,9 +9,13 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/linearise.h"
+#include "mle/data/record_columns.h"
 #include "mle/maintain/dates.h"
+#include "mle/maintain/examine_records.h"
+#include "mle/maintain/modes.h"
 #include "mle/maintain/record_scan.h"
 #include "mle/maintain/used_windows.h"
 #include "mle/maintain/whole_windows.h"
@@ -125,7 +129,8 @@ void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
   }
 }
 
-// Beyond what a controller makes of noise: it moves inputs in steady operation too.
+// Beyond what a controller makes of noise: it moves inputs in steady operation
+// too.
 constexpr double kLargeDeviation = 3.0;  // of the noise's standard deviation
 
 bool IsLarge(const SteadyOperation& part) {
@@ -134,7 +139,8 @@ bool IsLarge(const SteadyOperation& part) {
 
 void WarnOfNonStationary(const ProcessModel& model, RecordData& data) {
   for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    const std::vector<std::string> non_stationary = NonStationaryIn(data.windows[w], model);
+    const std::vector<std::string> non_stationary =
+        NonStationaryIn(data.windows[w], model);
     if (non_stationary.empty()) continue;
     const std::string name = absl::StrCat("Window ", w + 1);
     data.warnings.push_back(
@@ -249,7 +255,7 @@ double EndOf(const SetPointWindow& window) {
 }
 
 std::vector<std::string> NonStationaryIn(const SetPointWindow& window,
-                                  const ProcessModel& model) {
+                                         const ProcessModel& model) {
   std::vector<std::string> non_stationary;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (const auto* parts : {&window.before, &window.after}) {

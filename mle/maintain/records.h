@@ -120,7 +120,7 @@ double EndOf(const SetPointWindow& window);
 
 // Outputs that are not stationary before the change or at the end, in words.
 std::vector<std::string> NonStationaryIn(const SetPointWindow& window,
-                                  const ProcessModel& model);
+                                         const ProcessModel& model);
 
 // Records in memory: of the model's channels, not empty, all with one sample
 // time. Windows are whole in their inputs: one with a gap there is cut to its

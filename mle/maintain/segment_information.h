@@ -49,8 +49,8 @@ absl::StatusOr<SegmentInformation> InformationIn(const Record& segment,
 // D-criterion with parameters apart: Fedorov, Theory of Optimal Experiments,
 // 1972.) Operations: segments squared times elements.
 std::vector<bool> ChooseSegments(
-    const std::vector<SegmentInformation>& segments,
-    const Eigen::VectorXd& all, int most_samples);
+    const std::vector<SegmentInformation>& segments, const Eigen::VectorXd& all,
+    int most_samples);
 
 // "With all of them standard errors of gains would be expected to be smaller by
 // 3 % in the median, by 9 % at most": of S, and of the sum over all segments.

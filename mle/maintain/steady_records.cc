@@ -113,7 +113,7 @@ std::vector<bool> UsualBlocks(const MatrixXd& squares,
 }  // namespace
 
 absl::StatusOr<SteadyRecords> FindSteadyRecords(const ProcessModel& model,
-                                     std::vector<Record> rest) {
+                                                std::vector<Record> rest) {
   SteadyRecords parts;
   if (rest.empty()) return parts;
   std::vector<MatrixXd> squares;

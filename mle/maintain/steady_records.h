@@ -35,7 +35,7 @@ struct SteadyRecords {
 // little of what is usual. InvalidArgument for a model that cannot be
 // simulated. Operations: samples times elements.
 absl::StatusOr<SteadyRecords> FindSteadyRecords(const ProcessModel& model,
-                                     std::vector<Record> rest);
+                                                std::vector<Record> rest);
 
 }  // namespace mle
 

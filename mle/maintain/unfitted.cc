@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "absl/status/statusor.h"
+#include "mle/maintain/channel_scales.h"
 #include "mle/model/element_response.h"
 
 namespace mle {

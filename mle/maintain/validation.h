@@ -2,15 +2,15 @@
 // predict held-out data, and whether their residuals are white and uncorrelated
 // with the inputs.
 //
-// Hold-out validation is nested: of every window two of ten blocks are hidden at a time, others in the
-// next window, and what predicts them is estimated from the rest alone, with
-// its own noise, penalty and choice of elements. That a change is proposed, of
-// what kind, and beside which AR component, sinusoids and steps is given, and
-// fits begin where that to all windows ended. Nothing of what is scored had a
-// part in anything else that predicts it, but every set-point change had: where
-// each window moves the plant in one direction, the others determine nothing of
-// it. One window of few set-point changes is not held out: its blocks have one
-// disturbance.
+// Hold-out validation is nested: of every window two of ten blocks are hidden
+// at a time, others in the next window, and what predicts them is estimated
+// from the rest alone, with its own noise, penalty and choice of elements. That
+// a change is proposed, of what kind, and beside which AR component, sinusoids
+// and steps is given, and fits begin where that to all windows ended. Nothing
+// of what is scored had a part in anything else that predicts it, but every
+// set-point change had: where each window moves the plant in one direction, the
+// others determine nothing of it. One window of few set-point changes is not
+// held out: its blocks have one disturbance.
 //
 // A correction that helps in one window and harms in another is of a plant that
 // changed in between, or is not linear: each window has scores of its own.
@@ -28,7 +28,8 @@
 // the largest of the three counts: errors that last longer than a block would
 // let it look too small. (Diebold and Mariano, J. Bus. Econ. Stat. 13, 1995.)
 //
-// The residuals are one-step prediction errors. Autocorrelation of output i at lag τ, pooled over windows,
+// The residuals are one-step prediction errors. Autocorrelation of output i at
+// lag τ, pooled over windows,
 //
 //   r_e(τ) = Σ_k e_k e_{k+τ} / Σ_k e_k²,  within ±2.576/√N (99 %) if white,
 //

@@ -13,6 +13,7 @@
 #include "glog/logging.h"
 #include "mle/base/status.h"
 #include "mle/model/held_input_map.h"
+#include "mle/model/step_response.h"
 
 namespace mle {
 namespace {

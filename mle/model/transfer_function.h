@@ -24,6 +24,7 @@
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
+#include "mle/model/step_response.h"
 
 namespace mle {
 

@@ -46,7 +46,6 @@
 #include <vector>
 
 #include "mle/monitor/change_evidence.h"
-#include "mle/monitor/watch_options.h"
 
 namespace mle {
 

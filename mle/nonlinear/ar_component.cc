@@ -74,7 +74,7 @@ ArComponent::Covariance ArComponent::Stationary() const {
 }
 
 ArSignal::ArSignal(const ArComponent& ar, double shock_variance,
-                           GaussianNoise& random)
+                   GaussianNoise& random)
     : step_(ar.After(1)),
       spread_(ar.spread()),
       second_order_(ar.order() == 2),

@@ -56,8 +56,7 @@ class ArComponent {
 // Draws a_0, a_1, … with shocks of variance s.
 class ArSignal {
  public:
-  ArSignal(const ArComponent& ar, double shock_variance,
-               GaussianNoise& random);
+  ArSignal(const ArComponent& ar, double shock_variance, GaussianNoise& random);
 
   double value() const { return a_; }
   void Advance();

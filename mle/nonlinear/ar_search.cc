@@ -53,9 +53,9 @@ class ArSearch {
         order_(order) {}
 
   // The best of the grid: without a walk, and with one as in `walk`, the best
-  // without an AR component. For given poles −2 ln L has one minimum in σ: none beyond
-  // the least σ if that is worse than no AR component, or else sought from where the
-  // poles before had theirs.
+  // without an AR component. For given poles −2 ln L has one minimum in σ: none
+  // beyond the least σ if that is worse than no AR component, or else sought
+  // from where the poles before had theirs.
   Profile OfGrid(const Profile& walk) const {
     std::vector<Profile> without = {
         walk.shape.ratio > 0.0 ? likelihood_.At(NoiseShape()) : walk};
@@ -73,8 +73,8 @@ class ArSearch {
     return best;
   }
 
-  // The simplex from `start`, whose AR component is positive, and the end without a
-  // walk.
+  // The simplex from `start`, whose AR component is positive, and the end
+  // without a walk.
   Profile From(const Profile& start, double step) const {
     std::vector<Vertex> simplex = FirstSimplex(start, step);
     const int n = order_ + 2;
@@ -128,8 +128,8 @@ class ArSearch {
   // With these poles, the stationary variance kLeastAr e^(2.5 place) of the
   // white part's.
   Profile At(NoiseShape shape, int place) const {
-    shape.ar_ratio = kLeastAr / shape.ar().Stationary().aa *
-                         std::exp(kArStep * place);
+    shape.ar_ratio =
+        kLeastAr / shape.ar().Stationary().aa * std::exp(kArStep * place);
     return likelihood_.At(shape);
   }
 
@@ -233,7 +233,7 @@ class ArSearch {
 }  // namespace
 
 Profile FindBestAr(const ShapeLikelihood& likelihood, int order,
-                       const Profile& walk) {
+                   const Profile& walk) {
   const ArSearch search(likelihood, order);
   const Profile start = search.OfGrid(walk);
   if (!start.shape.has_ar()) return start;
@@ -241,8 +241,7 @@ Profile FindBestAr(const ShapeLikelihood& likelihood, int order,
   return search.From(start, kFirstStep);
 }
 
-Profile ContinueAr(const ShapeLikelihood& likelihood,
-                       const NoiseShape& start) {
+Profile ContinueAr(const ShapeLikelihood& likelihood, const NoiseShape& start) {
   const Profile former = likelihood.At(start);
   const Profile moved =
       ArSearch(likelihood, start.ar().order()).From(former, kLocalStep);

@@ -215,8 +215,8 @@ void Predict(const ArComponent::Power& power, double spread, double walk,
 // A diffuse w takes the first sample whole: w = n_0 − a_0 − e_0.
 template <int kOrder>
 void InnovationsFilter::SetUpAr(const std::vector<int>& times,
-                                    const NoiseShape& shape,
-                                    const VectorXd& weights) {
+                                const NoiseShape& shape,
+                                const VectorXd& weights) {
   const std::size_t n = times.size();
   const ArComponent ar = shape.ar();
   spread_ = ar.spread();
@@ -269,10 +269,9 @@ void InnovationsFilter::SetUpAr(const std::vector<int>& times,
     if (k + 1 == n) break;
     const int steps = times[k + 1] - times[k];
     const ArComponent::Power power = steps == 1 ? one : ar.After(steps);
-    ar_[k] = {
-        .power = power,
-        .gain_a = power.own * gain_a + power.cross * gain_b,
-        .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
+    ar_[k] = {.power = power,
+              .gain_a = power.own * gain_a + power.cross * gain_b,
+              .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
     Predict<kOrder>(power, spread_, shape.ratio * steps, stationary, P);
     steady = weights.size() == 0 && k > 0 && steps == 1 && P == former;
   }

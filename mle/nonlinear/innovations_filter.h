@@ -4,10 +4,10 @@
 //   n_k = w_k + a_k + e_k,   w_{k+1} = w_k + ξ_k,
 //   Var e = r,   Var ξ = q = ρ r,
 //
-// with a of first or second order and shocks of variance s = σ r (ar_component.h), by
-// its time-varying Kalman filter. The walk has a diffuse start (nothing is
-// known of w_0, so that the first sample sets it: one free offset); a starts
-// stationary. Without an AR component, in units of r,
+// with a of first or second order and shocks of variance s = σ r
+// (ar_component.h), by its time-varying Kalman filter. The walk has a diffuse
+// start (nothing is known of w_0, so that the first sample sets it: one free
+// offset); a starts stationary. Without an AR component, in units of r,
 //
 //   ν_k = n_k − ŵ_k,   F_k = P_k + 1,   ŵ_{k+1} = ŵ_k + (P_k/F_k) ν_k,
 //   P_{k+1} = P_k/F_k + ρ,
@@ -97,7 +97,7 @@ class InnovationsFilter {
                  const Eigen::VectorXd& weights);
   template <int kOrder>
   void SetUpAr(const std::vector<int>& times, const NoiseShape& shape,
-                   const Eigen::VectorXd& weights);
+               const Eigen::VectorXd& weights);
   // Passes `count` rows of `width` numbers, the first that of sample `first`,
   // from `state` (width × 3) on.
   void FilterRows(Eigen::Index first, Eigen::Index count, double* rows,
@@ -109,8 +109,8 @@ class InnovationsFilter {
   // The gain from the error of ŵ_{k+1} before its sample to that of ŵ_k,
   // P_k r/P_{k+1}.
   std::vector<double> smoothing_;
-  // With an AR component, d samples to the next one: F^d and F^d times the gain.
-  // FilterSteps (kernels) reads it as numbers in turn.
+  // With an AR component, d samples to the next one: F^d and F^d times the
+  // gain. FilterSteps (kernels) reads it as numbers in turn.
   struct ArStep {
     ArComponent::Power power;
     double gain_a = 0.0;

@@ -114,8 +114,7 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
   if (problem.num_segments() == 0) return std::nullopt;
   const NoiseShape shape = ShapeOf(fit.noise);
   // A resonance would follow the sine: without it.
-  const bool resonant =
-      shape.ar_damping > 0.0 && shape.ar_damping < 1.0;
+  const bool resonant = shape.ar_damping > 0.0 && shape.ar_damping < 1.0;
   const NoiseShape plain =
       resonant ? extended.Best({}, NoiseShape(), /*search_ar=*/false).shape
                : shape;

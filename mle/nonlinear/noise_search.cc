@@ -240,8 +240,8 @@ NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
 
 namespace {
 
-// The likelihood of ρ without an AR component: the best that was asked, and what
-// encloses it.
+// The likelihood of ρ without an AR component: the best that was asked, and
+// what encloses it.
 //
 // ρ is placed at z = 2 arsinh(√ρ / s), 0 where noise is white. Samples of an
 // interval L long, of which the columns fitted take up k, tell nothing of drift
@@ -410,8 +410,8 @@ class RatioSearch {
   Point high_;
 };
 
-// Over all ρ, without an AR component: from `near` downhill or, where that is 0, on a
-// grid.
+// Over all ρ, without an AR component: from `near` downhill or, where that is
+// 0, on a grid.
 Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
   RatioSearch search(likelihood);
   if (near > 0.0) {

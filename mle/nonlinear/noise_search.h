@@ -132,10 +132,10 @@ NoiseEstimate NoiseOf(const ShapeLikelihood& likelihood,
                       const Profile& profile);
 
 // With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
-// AR components: from those of `start` if it has them, and, if `search_ar`, of a
-// grid of each order that `start` does not have. An AR component found before stays as
-// it is where that is as good as the best to a hundredth of −2 ln L, and is
-// given up only if `search_ar`.
+// AR components: from those of `start` if it has them, and, if `search_ar`, of
+// a grid of each order that `start` does not have. An AR component found before
+// stays as it is where that is as good as the best to a hundredth of −2 ln L,
+// and is given up only if `search_ar`.
 Profile FindBestShape(const ShapeLikelihood& likelihood,
                       const NoiseShape& start, bool estimate_drift,
                       bool search_ar);

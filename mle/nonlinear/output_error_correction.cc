@@ -78,8 +78,8 @@ OutputFit Report(const OutputSetup& setup,
   fit.noise[i].stamp_deviation = setup.problem->stamp_deviation();
   fit.certificates[i] = average.certificate;
   fit.deviances[i] = average.deviance;
-  fit.down_weighted_samples[i] =
-      static_cast<int>((RobustPart(*setup.problem).array() < kDownWeighted).count());
+  fit.down_weighted_samples[i] = static_cast<int>(
+      (RobustPart(*setup.problem).array() < kDownWeighted).count());
   return average;
 }
 

@@ -104,9 +104,9 @@ struct OutputErrorOptions {
   std::shared_ptr<const std::vector<Record>> at_rest = nullptr;
   // A correction of the same model by records of which these are a part, or
   // null. Fits then begin at the values and the noise of its `full`, and no
-  // AR component, line or step is sought besides those that it has; the change is
-  // given, and not tested, nor are elements that have aged in it, and by Wald's
-  // test in the part, with p < kBeyondDoubt.
+  // AR component, line or step is sought besides those that it has; the change
+  // is given, and not tested, nor are elements that have aged in it, and by
+  // Wald's test in the part, with p < kBeyondDoubt.
   std::shared_ptr<const OutputErrorCorrection> start = nullptr;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;

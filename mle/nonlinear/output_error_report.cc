@@ -85,8 +85,7 @@ MatrixXd StepDerivatives(const ElementResponse& element,
 }  // namespace
 
 double NoiseEstimate::ar_variance() const {
-  return ar_ratio * variance *
-         ArComponent(ar_pole, ar_damping).Stationary().aa;
+  return ar_ratio * variance * ArComponent(ar_pole, ar_damping).Stationary().aa;
 }
 
 double NoiseEstimate::ar_memory() const {

@@ -27,10 +27,11 @@ constexpr double kShapeTolerance = 0.02;
 // A move of an input has an effect for dead time + this many time scales.
 constexpr double kMoveTimeScales = 5.0;
 
-// Whether an AR component is sought. Bursts of outliers look like one, and what is
-// taken for AR component is not down-weighted: a robust loss finds its weights first.
+// Whether an AR component is sought. Bursts of outliers look like one, and what
+// is taken for AR component is not down-weighted: a robust loss finds its
+// weights first.
 bool MayHaveAr(const OutputErrorProblem& problem,
-                   const OutputErrorOptions& options) {
+               const OutputErrorOptions& options) {
   if (options.start != nullptr) return false;
   return options.robust_loss == RobustLoss::kNone ||
          problem.weights().size() > 0;
@@ -58,8 +59,8 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
 
 // Steps 2 to 5 and what is reported, from `fit`'s values and noise.
 void Finish(const OutputErrorProblem& problem,
-            const OutputErrorOptions& options, bool search_ar,
-            Fitter& fitter, OutputFit& fit) {
+            const OutputErrorOptions& options, bool search_ar, Fitter& fitter,
+            OutputFit& fit) {
   const bool part = options.start != nullptr;
   for (int round = 0; round < kMaxSearchRounds; ++round) {
     double cost = 0.0;
@@ -315,8 +316,8 @@ void FitRobustly(const OutputFitBounds& bounds,
         fitter.RefineRoughly(fit.point, ShapeOf(fit.noise), /*near=*/true);
       }
     }
-    certificate = Continue(problem, bounds, options,
-                           MayHaveAr(problem, options), fit);
+    certificate =
+        Continue(problem, bounds, options, MayHaveAr(problem, options), fit);
     certificate.num_parameters = fit.certificate.num_parameters;
     change = Reweight(options.robust_loss, fit, problem);
   }

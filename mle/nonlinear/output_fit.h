@@ -125,8 +125,8 @@ inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
 
 // Noise of the output at `point`, by restricted likelihood, with the elements
 // that are `free` taken to be estimated. Offsets are as in `start`; without
-// them the shape is. An AR component is sought from that of `start`, or, if it has
-// none and `search_ar`, everywhere (noise_search.h).
+// them the shape is. An AR component is sought from that of `start`, or, if it
+// has none and `search_ar`, everywhere (noise_search.h).
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
@@ -135,8 +135,8 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
 
 // The evidence against "the noise is white, without offsets" in one output.
 struct OffsetEvidence {
-  double offsets = 0.0;    // χ² of the offsets for ρ = 0
-  double drift = 0.0;      // likelihood ratio of ρ and AR component, offsets given
+  double offsets = 0.0;  // χ² of the offsets for ρ = 0
+  double drift = 0.0;  // likelihood ratio of ρ and AR component, offsets given
   int num_parameters = 0;  // offsets, and those of drift that are estimated
 };
 
@@ -152,8 +152,8 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
 double OffsetWeight(const std::vector<OffsetEvidence>& evidence);
 
 // −2 ln likelihood less constants at `point`, maximised over r, ρ and the
-// AR component that `start` has, and, in first order, over the elements that are
-// `free`; with an offset as in `start`.
+// AR component that `start` has, and, in first order, over the elements that
+// are `free`; with an offset as in `start`.
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
                 bool estimate_drift);
@@ -170,8 +170,8 @@ struct Contrast {
 };
 
 // `null`, of restricted likelihood; and with the columns (of each segment,
-// rows × k) besides, under the AR component of the second and the larger of the two
-// ratios that restricted likelihood finds: one ratio for each would let the
+// rows × k) besides, under the AR component of the second and the larger of the
+// two ratios that restricted likelihood finds: one ratio for each would let the
 // second explain slow drift and then call the noise white, and with weak drift
 // every fourth test would raise a false alarm of one in a hundred.
 Contrast ContrastWithColumns(const ShapeLikelihood& null,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/model/step_response.h"
 #include "tests/apps/command_runner.h"
 
 namespace mle {

@@ -28,8 +28,8 @@ struct ProductSeries {
 };
 
 // A filter of innovations, sample by sample (nonlinear/innovations_filter.h):
-// gain of the level w, 1/√F, and of each sample with an AR component four numbers: own,
-// cross, and the gains of a and b.
+// gain of the level w, 1/√F, and of each sample with an AR component four
+// numbers: own, cross, and the gains of a and b.
 struct FilterSteps {
   const double* gains = nullptr;
   const double* inverse_roots = nullptr;

@@ -37,10 +37,8 @@ void FilterTile(const FilterSteps& steps, Index count, double* rows,
       T innovation;
       if constexpr (has_ar) {
         innovation = value - (level[i] + a[i]);
-        const T next =
-            ar[0] * a[i] + ar[1] * b[i] + ar[2] * innovation;
-        b[i] = steps.spread * ar[1] * a[i] + ar[0] * b[i] +
-               ar[3] * innovation;
+        const T next = ar[0] * a[i] + ar[1] * b[i] + ar[2] * innovation;
+        b[i] = steps.spread * ar[1] * a[i] + ar[0] * b[i] + ar[3] * innovation;
         a[i] = next;
       } else {
         innovation = value - level[i];
@@ -65,15 +63,15 @@ void FilterAll(const FilterSteps& steps, Index count, double* rows,
   Index c = 0;
   for (; c + kBeside * kWidth <= width; c += kBeside * kWidth) {
     FilterTile<Vector, kBeside, has_ar>(steps, count, rows + c, stride,
-                                          state + c, width);
+                                        state + c, width);
   }
   for (; c + kWidth <= width; c += kWidth) {
     FilterTile<Vector, 1, has_ar>(steps, count, rows + c, stride, state + c,
-                                    width);
+                                  width);
   }
   for (; c < width; ++c) {
     FilterTile<double, 1, has_ar>(steps, count, rows + c, stride, state + c,
-                                    width);
+                                  width);
   }
 }
 

@@ -19,9 +19,8 @@ inline Eigen::VectorXd DrawNoise(const NoiseEstimate& noise, int samples,
   GaussianNoise white(seed, kRunStream, kMeasurementNoise);
   const bool has_ar = noise.ar_ratio > 0.0;
   ArSignal ar(ArComponent(has_ar ? noise.ar_pole : 0.0,
-                             has_ar ? noise.ar_damping : 0.0),
-                      has_ar ? noise.ar_ratio * noise.variance : 1.0,
-                      coloured);
+                          has_ar ? noise.ar_damping : 0.0),
+              has_ar ? noise.ar_ratio * noise.variance : 1.0, coloured);
   Eigen::VectorXd values(samples);
   double level = 0.0;
   for (double& value : values) {

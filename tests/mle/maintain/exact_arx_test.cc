@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/correction/correction.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/unfitted.h"
 

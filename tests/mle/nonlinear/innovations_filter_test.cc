@@ -110,21 +110,16 @@ INSTANTIATE_TEST_SUITE_P(
         NoiseShape{.ratio = 0.05, .ar_ratio = 0.5, .ar_pole = 0.7},
         NoiseShape{.ratio = 1e-6, .ar_ratio = 40.0, .ar_pole = 0.99},
         // Two real poles, poles that are one, and a resonance.
+        NoiseShape{.ar_ratio = 0.1, .ar_pole = 0.9, .ar_damping = 2.0},
         NoiseShape{
-            .ar_ratio = 0.1, .ar_pole = 0.9, .ar_damping = 2.0},
-        NoiseShape{.ratio = 0.02,
-                   .ar_ratio = 0.1,
-                   .ar_pole = 0.8,
-                   .ar_damping = 1.0},
-        NoiseShape{.ratio = 0.02,
-                   .ar_ratio = 0.3,
-                   .ar_pole = 0.7,
-                   .ar_damping = 0.1}),
+            .ratio = 0.02, .ar_ratio = 0.1, .ar_pole = 0.8, .ar_damping = 1.0},
+        NoiseShape{
+            .ratio = 0.02, .ar_ratio = 0.3, .ar_pole = 0.7, .ar_damping = 0.1}),
     [](const auto& test) {
       const NoiseShape& s = test.param;
       return absl::StrFormat("Ratio%.0fppmColour%.0fppmPole%.0fDamping%.0f",
-                             1e6 * s.ratio, 1e6 * s.ar_ratio,
-                             100.0 * s.ar_pole, 100.0 * s.ar_damping);
+                             1e6 * s.ratio, 1e6 * s.ar_ratio, 100.0 * s.ar_pole,
+                             100.0 * s.ar_damping);
     });
 
 // Whatever the number of columns, over more than one block of rows.

@@ -104,10 +104,10 @@ TEST(NoiseSearchTest, FindsAnArComponent) {
     EXPECT_NEAR(noise.ar_ratio * noise.variance, 0.01, 0.006);
     EXPECT_NEAR((1.0 - noise.ar_pole) / (1.0 - pole), 1.0, 0.6);
     EXPECT_EQ(noise.ar_damping, 0.0);
-    // The walk that is left: less than the AR component's deviation over a record.
+    // The walk that is left: less than the AR component's deviation over a
+    // record.
     EXPECT_LT(1500.0 * noise.increment_variance(), noise.ar_variance());
-    EXPECT_NEAR(noise.ar_memory(), -1.0 / std::log(noise.ar_pole),
-                1e-9);
+    EXPECT_NEAR(noise.ar_memory(), -1.0 / std::log(noise.ar_pole), 1e-9);
     for (const int i : {1, 2}) {
       EXPECT_GT(noise.log_deviations[i], 0.02);
       EXPECT_LT(noise.log_deviations[i], 0.5);
@@ -139,13 +139,12 @@ TEST(NoiseSearchTest, FindsALoad) {
     const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
     ASSERT_GT(noise.ar_damping, 0.0) << seed;
     EXPECT_NEAR(noise.variance, 0.0025, 0.0005);
-    EXPECT_NEAR(noise.ar_memory() / std::sqrt(8.0 / -std::log(0.97)), 1.0,
-                0.5);
+    EXPECT_NEAR(noise.ar_memory() / std::sqrt(8.0 / -std::log(0.97)), 1.0, 0.5);
     EXPECT_GT(noise.ar_damping, 0.6);
     // Of (1 − ψ) η behind the lag.
-    EXPECT_NEAR(noise.ar_ratio * noise.variance /
-                    (0.01 * (1.0 - lag) * (1.0 - lag)),
-                1.0, 0.7);
+    EXPECT_NEAR(
+        noise.ar_ratio * noise.variance / (0.01 * (1.0 - lag) * (1.0 - lag)),
+        1.0, 0.7);
     for (const int i : {1, 2, 3}) {
       EXPECT_GT(noise.log_deviations[i], 0.01);
       EXPECT_LT(noise.log_deviations[i], 1.0);

@@ -87,8 +87,7 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
                                noise.offset + white + lagged(i) + sine;
       }
       if (noise.shock > 0.0) {
-        ar(i) = noise.pole * ar(i) +
-                    std::sqrt(noise.shock) * normal(ar_engine);
+        ar(i) = noise.pole * ar(i) + std::sqrt(noise.shock) * normal(ar_engine);
         lagged(i) = noise.lag * lagged(i) + (1.0 - noise.lag) * ar(i);
       }
       level(i) += std::sqrt(noise.increment) * normal(engine);

@@ -79,10 +79,9 @@ TEST_P(KernelsTest, FiltersRowsOfAnyWidth) {
       const Eigen::MatrixXd before = RandomMatrix(width, 3, random_);
       Eigen::MatrixXd filtered = rows;
       Eigen::MatrixXd state = before;
-      kernels().filter_rows({gains.data(), roots.data(),
-                             has_ar ? ar.data() : nullptr, spread},
-                            count, filtered.data(), width + 1, width,
-                            state.data());
+      kernels().filter_rows(
+          {gains.data(), roots.data(), has_ar ? ar.data() : nullptr, spread},
+          count, filtered.data(), width + 1, width, state.data());
       for (int c = 0; c < width; ++c) {
         double w = before(c, 0);
         double a = has_ar ? before(c, 1) : 0.0;
@@ -94,8 +93,7 @@ TEST_P(KernelsTest, FiltersRowsOfAnyWidth) {
           if (!has_ar) continue;
           const double next =
               ar(0, k) * a + ar(1, k) * b + ar(2, k) * innovation;
-          b = spread * ar(1, k) * a + ar(0, k) * b +
-              ar(3, k) * innovation;
+          b = spread * ar(1, k) * a + ar(0, k) * b + ar(3, k) * innovation;
           a = next;
         }
         EXPECT_NEAR(state(c, 0), w, 1e-12);
