@@ -13,7 +13,6 @@
 #include "glog/logging.h"
 #include "mle/base/status.h"
 #include "mle/model/held_input_map.h"
-#include "mle/model/step_response.h"
 
 namespace mle {
 namespace {

@@ -24,7 +24,6 @@
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
-#include "mle/model/step_response.h"
 
 namespace mle {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/model/step_response.h"
 #include "tests/apps/command_runner.h"
 
 namespace mle {
