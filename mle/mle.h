@@ -7,8 +7,9 @@
 //   if (!result.ok()) …                        // what is wrong, and where
 //   if (result->accepted()) WriteProcessModel(result->fopdt_model, "new.json");
 //
-// examples/ has whole programs. Everything else of the library stands behind
-// headers of its own (docs/architecture.md).
+// examples/ has whole programs. Databases, the forms of models, the watch, the
+// trial and the plan have headers of their own: docs/architecture.md lists
+// them.
 
 #ifndef MLE_MLE_H_
 #define MLE_MLE_H_
