@@ -28,7 +28,7 @@ constexpr double kShapeTolerance = 0.02;
 constexpr double kMoveTimeScales = 5.0;
 
 // Whether an AR component is sought. Bursts of outliers look like one, and what
-// is taken for AR component is not down-weighted: a robust loss finds its
+// is taken for one is not down-weighted: a robust loss finds its
 // weights first.
 bool MayHaveAr(const OutputErrorProblem& problem,
                const OutputErrorOptions& options) {
@@ -171,7 +171,7 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   fit.free = free;
   fit.point = start;
   fit.point.SetCells(problem.sample_time());
-  // At the start the model's error would be taken for AR component.
+  // At the start the model's error would be taken for one.
   const bool any = std::find(free.begin(), free.end(), true) != free.end();
   fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(),
                             options.estimate_drift,

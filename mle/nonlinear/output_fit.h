@@ -135,8 +135,8 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
 
 // The evidence against "the noise is white, without offsets" in one output.
 struct OffsetEvidence {
-  double offsets = 0.0;  // χ² of the offsets for ρ = 0
-  double drift = 0.0;  // likelihood ratio of ρ and AR component, offsets given
+  double offsets = 0.0;    // χ² of the offsets for ρ = 0
+  double drift = 0.0;      // likelihood ratio of the walk and AR component
   int num_parameters = 0;  // offsets, and those of drift that are estimated
 };
 
