@@ -171,7 +171,7 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   fit.free = free;
   fit.point = start;
   fit.point.SetCells(problem.sample_time());
-  // At the start the model's error would be taken for one.
+  // At the start the model's error would be taken for an AR component.
   const bool any = std::find(free.begin(), free.end(), true) != free.end();
   fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(),
                             options.estimate_drift,
