@@ -313,11 +313,11 @@ VectorXd ExplainedOutput::LostByAverage(double time) const {
   return RowMeans(lost);
 }
 
-MatrixXd ExplainedOutput::DrawStampErrors(double deviation, int draws,
-                                          GaussianNoise& noise) const {
+Eigen::MatrixXd ExplainedOutput::DrawStampErrors(double deviation, int draws,
+                                                 GaussianNoise& noise) const {
   const std::vector<VectorXd> all = SimulatedBy(elements_);
   std::vector<VectorXd> moved = all;
-  MatrixXd errors(static_cast<Eigen::Index>(rows_.size()), draws);
+  Eigen::MatrixXd errors(static_cast<Eigen::Index>(rows_.size()), draws);
   for (int draw = 0; draw < draws; ++draw) {
     for (std::size_t r = 0; r < all.size(); ++r) {
       const VectorXd& z = all[r];
