@@ -7,6 +7,7 @@
 #include "apps/correct/figure_parts.h"
 #include "apps/correct/report.h"
 #include "apps/report/figure.h"
+#include "mle/correction/correction.h"
 #include "mle/correction/selection.h"
 
 namespace mle::correct {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/correct/report.h"
+#include "mle/correction/correction.h"
 #include "mle/data/segments.h"
 #include "mle/model/json_text.h"
 
