@@ -34,7 +34,7 @@
 #include "mle/filter/output_filter.h"
 #include "mle/filter/residual_prediction.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 
 namespace mle {
 namespace {
@@ -83,9 +83,9 @@ Disturbance DrawDisturbance(double lag, Uniform& random) {
   noise.ratio = random.Draw(1e-6, 1e-4);
   const double size = random.Draw(0.3, 30.0);  // of its variance
   const auto colour = [&](double pole, double damping) {
-    noise.colour_pole = pole;
-    noise.colour_damping = damping;
-    noise.colour_ratio = size / Colour(pole, damping).Stationary().aa;
+    noise.ar_pole = pole;
+    noise.ar_damping = damping;
+    noise.ar_ratio = size / ArComponent(pole, damping).Stationary().aa;
   };
   switch (drawn.family) {
     case kWalk:

@@ -41,9 +41,8 @@ Site MakeSite(const char* path) {
   site.settling = SettlingTime(site.plant.model);
   const double lag = site.plant.lag * site.plant.sample_time;
   site.noise.variance = 1.0;
-  site.noise.colour_pole = std::exp(-site.plant.sample_time / lag);
-  site.noise.colour_ratio =
-      1.0 - site.noise.colour_pole * site.noise.colour_pole;
+  site.noise.ar_pole = std::exp(-site.plant.sample_time / lag);
+  site.noise.ar_ratio = 1.0 - site.noise.ar_pole * site.noise.ar_pole;
   site.conditions.output_disturbance.coloured_variance =
       VectorXd::Ones(site.plant.model.num_outputs());
   site.conditions.output_disturbance.coloured_time_constant = lag;

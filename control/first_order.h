@@ -13,7 +13,7 @@
 //
 // exact for K e^(−Ls) / (s (T s + 1)) up to the sampling. A rough description
 // of a response of any shape, made for choosing horizons; for a fit see
-// mle/nonlinear/fopdt_fit.h.
+// mle/nonlinear/low_order_fit.h.
 
 #ifndef CONTROL_FIRST_ORDER_H_
 #define CONTROL_FIRST_ORDER_H_

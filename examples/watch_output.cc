@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mle/maintain/select_output.h"
 #include "mle/mle.h"
 
 int main(int argc, char** argv) {

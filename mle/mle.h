@@ -7,22 +7,16 @@
 //   if (!result.ok()) …                        // what is wrong, and where
 //   if (result->accepted()) WriteProcessModel(result->fopdt_model, "new.json");
 //
-// examples/ has whole programs. Everything else of the library stands behind
-// headers of its own (docs/architecture.md).
+// examples/ has whole programs. Databases, the forms of models, the watch, the
+// trial and the plan have headers of their own: docs/architecture.md lists
+// them.
 
 #ifndef MLE_MLE_H_
 #define MLE_MLE_H_
 
-#include "mle/base/version.h"             // IWYU pragma: export
-#include "mle/data/historian.h"           // IWYU pragma: export
-#include "mle/data/record.h"              // IWYU pragma: export
-#include "mle/database/record_sources.h"  // IWYU pragma: export
-#include "mle/exchange/model_file.h"      // IWYU pragma: export
-#include "mle/maintain/correct.h"         // IWYU pragma: export
-#include "mle/maintain/select_output.h"   // IWYU pragma: export
-#include "mle/model/process_model.h"      // IWYU pragma: export
-#include "mle/monitor/change_evidence.h"  // IWYU pragma: export
-#include "mle/monitor/model_watch.h"      // IWYU pragma: export
-#include "mle/trial/model_trial.h"        // IWYU pragma: export
+#include "mle/data/historian.h"       // IWYU pragma: export
+#include "mle/data/record.h"          // IWYU pragma: export
+#include "mle/maintain/correct.h"     // IWYU pragma: export
+#include "mle/model/process_model.h"  // IWYU pragma: export
 
 #endif  // MLE_MLE_H_

@@ -14,6 +14,7 @@
 #include "control/expected_operation.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
+#include "mle/filter/disturbance_system.h"
 
 namespace mle::correct {
 namespace {
@@ -312,11 +313,11 @@ nlohmann::ordered_json FilterJson(const Result& result) {
     row["kalman"]["riccati_residual"] = filter.stationary.residual;
     row["measurement_variance"] = noise.variance;
     row["increment_variance"] = noise.increment_variance();
-    if (noise.colour_ratio > 0.0) {
-      row["coloured_variance"] = noise.colour_variance();
-      row["coloured_time_constant"] = noise.colour_memory() * sample_time;
-      if (noise.colour_damping > 0.0) {
-        row["coloured_damping"] = noise.colour_damping;
+    if (noise.ar_ratio > 0.0) {
+      row["coloured_variance"] = noise.ar_variance();
+      row["coloured_time_constant"] = noise.ar_memory() * sample_time;
+      if (noise.ar_damping > 0.0) {
+        row["coloured_damping"] = noise.ar_damping;
       }
     }
     if (filter.walk_lag > 0.0) {

@@ -7,6 +7,8 @@
 #include "apps/correct/figure_parts.h"
 #include "apps/correct/report.h"
 #include "apps/report/figure.h"
+#include "mle/correction/correction.h"
+#include "mle/correction/selection.h"
 
 namespace mle::correct {
 namespace {
@@ -60,7 +62,7 @@ NamedFigure MismatchFigure(const Result& result) {
 }
 
 bool HasLossFigure(const Result& result) {
-  return result.estimate.fit.arx.has_value() &&
+  return result.estimate.fit.arx != nullptr &&
          result.estimate.fit.arx->selection().loss.size() > 1;
 }
 

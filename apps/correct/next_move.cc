@@ -15,7 +15,8 @@
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
+#include "mle/maintain/stage.h"
 #include "sim/closed_loop.h"
 #include "sim/set_point_profile.h"
 
@@ -187,7 +188,7 @@ void SetOperation(const Result& result, const Operation& operation,
     const NoiseEstimate& noise = problem.noise[i];
     problem.output_deviations(i) =
         std::max(problem.output_deviations(i),
-                 std::sqrt(noise.variance + noise.colour_variance()));
+                 std::sqrt(noise.variance + noise.ar_variance()));
   }
   problem.inputs.resize(result.initial.num_inputs());
   for (Index j = 0; j < problem.inputs.size(); ++j) {

@@ -15,7 +15,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
 #include "mle/explain/feedback.h"
 #include "mle/maintain/channel_scales.h"
 #include "mle/maintain/prediction.h"

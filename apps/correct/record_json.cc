@@ -33,7 +33,7 @@ Json WindowsJson(const Result& result) {
     }
     Json one = {{"from", BeginOf(window)},
                 {"to", EndOf(window)},
-                {"non_stationary", UnrestIn(window, result.initial)},
+                {"non_stationary", NonStationaryIn(window, result.initial)},
                 {"samples", window.record.samples()},
                 {"set_point_changes", std::move(changes)}};
     AddDate(times, "from_date", BeginOf(window), one);

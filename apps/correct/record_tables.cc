@@ -150,8 +150,8 @@ Table WindowTable(const RecordData& data, const ProcessModel& model) {
     std::vector<std::string> remarks;
     if (window.clipped_before) remarks.push_back("short before");
     if (window.clipped_after) remarks.push_back("short after");
-    for (std::string& unrest : UnrestIn(window, model)) {
-      remarks.push_back(std::move(unrest));
+    for (std::string& non_stationary : NonStationaryIn(window, model)) {
+      remarks.push_back(std::move(non_stationary));
     }
     table.AddRow({absl::StrCat(w + 1), times.Short(BeginOf(window)),
                   times.Short(EndOf(window)),

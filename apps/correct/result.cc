@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "apps/correct/report.h"
+#include "mle/base/option_error.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 

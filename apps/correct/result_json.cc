@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "apps/correct/report.h"
-#include "mle/data/stretches.h"
+#include "mle/correction/correction.h"
+#include "mle/data/segments.h"
 #include "mle/model/json_text.h"
 
 namespace mle::correct {
@@ -54,11 +55,11 @@ Json NoiseJson(const Result& result, int i) {
                {"window_offsets", estimate.offset},
                {"inflation", estimate.inflation},
                {"samples_at_rest", estimate.samples_at_rest}};
-  if (estimate.colour_ratio > 0.0) {
-    json["coloured_variance"] = estimate.colour_variance();
-    json["coloured_time_constant"] = estimate.colour_memory() * sample_time;
-    if (estimate.colour_damping > 0.0) {
-      json["coloured_damping"] = estimate.colour_damping;
+  if (estimate.ar_ratio > 0.0) {
+    json["coloured_variance"] = estimate.ar_variance();
+    json["coloured_time_constant"] = estimate.ar_memory() * sample_time;
+    if (estimate.ar_damping > 0.0) {
+      json["coloured_damping"] = estimate.ar_damping;
     }
   }
   Json lines = Json::array();
@@ -67,9 +68,9 @@ Json NoiseJson(const Result& result, int i) {
   }
   if (!lines.empty()) json["lines"] = std::move(lines);
   Json steps = Json::array();
-  const Stretches stretches = estimate.steps.empty()
-                                  ? Stretches()
-                                  : JoinAdjoining(result.data.Records());
+  const Segments stretches = estimate.steps.empty()
+                                 ? Segments()
+                                 : JoinAdjoining(result.data.Records());
   for (const LevelStep& step : estimate.steps) {
     Json one = {{"window", stretches.WindowAt(step.record, step.time) + 1},
                 {"time", step.time},
@@ -357,7 +358,7 @@ void AddFindings(const Result& result, Json& json) {
   if (!result.filters.empty()) json["filter"] = FilterJson(result);
   if (result.next_move.has_value()) json["plan"] = NextMoveJson(result);
   const EstimateFit& fit = result.estimate.fit;
-  if (fit.arx.has_value()) {
+  if (fit.arx != nullptr) {
     json["lambda_star"] = fit.arx->selection().lambda_star(0);
   }
 }

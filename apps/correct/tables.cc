@@ -257,7 +257,7 @@ Table NoiseTable(const Result& result) {
   const TimeNames times = result.data.Times(model);
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& noise = result.estimate.setting.noise[i];
-    const bool coloured = noise.colour_ratio > 0.0;
+    const bool coloured = noise.ar_ratio > 0.0;
     std::vector<std::string> periods;
     for (const PeriodicLine& line : noise.lines) {
       periods.push_back(absl::StrCat(FormatSignificant(line.period),
@@ -272,12 +272,11 @@ Table NoiseTable(const Result& result) {
     table.AddRow(
         {model.outputs()[i].name, FormatSignificant(std::sqrt(noise.variance)),
          FormatSignificant(std::sqrt(100.0 * noise.increment_variance())),
-         coloured ? FormatSignificant(std::sqrt(noise.colour_variance())) : "–",
-         coloured ? FormatSignificant(noise.colour_memory() *
+         coloured ? FormatSignificant(std::sqrt(noise.ar_variance())) : "–",
+         coloured ? FormatSignificant(noise.ar_memory() *
                                       result.initial_response.sample_time)
                   : "–",
-         noise.colour_damping > 0.0 ? FormatSignificant(noise.colour_damping)
-                                    : "–",
+         noise.ar_damping > 0.0 ? FormatSignificant(noise.ar_damping) : "–",
          periods.empty() ? "–" : absl::StrJoin(periods, ", "),
          steps.empty() ? "–" : absl::StrJoin(steps, ", "),
          noise.offset ? "yes" : "no"});

@@ -1,7 +1,8 @@
 // What outputs and inputs do in usual operation: in the windows and in the
 // records between them, but for parts in which the plant is shut down or run
-// far from its operating point (mle/maintain/usual_rest.h). Ranges are those of
-// all of it, squares those of parts in which nothing is asked of the plant.
+// far from its operating point (mle/maintain/steady_records.h). Ranges are
+// those of all of it, squares those of parts in which nothing is asked of the
+// plant.
 
 #ifndef APPS_CORRECT_USUAL_OPERATION_H_
 #define APPS_CORRECT_USUAL_OPERATION_H_

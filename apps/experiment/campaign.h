@@ -53,7 +53,7 @@ const Ablation* FindAblation(const std::string& name);
 // One way to estimate: an axis of a campaign.
 //
 // Its name is ESTIMATOR or ESTIMATOR:TEST, with the estimators and tests of no
-// change of the library (mle/maintain/estimator.h), the library's own test
+// change of the library (mle/maintain/estimation.h), the library's own test
 // where none is named; `ceres` is arx with ΔR solved by Ceres at the λ of the
 // exact path, and `none` leaves the model as it is:
 //

@@ -255,7 +255,7 @@ absl::Status Experiment::RunEstimator(const Method& method,
   evaluation.seconds = fit.seconds;
   if (method.change_test != ChangeTest::kNone)
     evaluation.p_value = fit.test.p_value;
-  if (fit.arx.has_value()) {
+  if (fit.arx != nullptr) {
     evaluation.lambda = fit.arx->selection().lambda_star;
     if (*method.estimator == Estimator::kArx) {
       evaluation.hindsight = &HindsightOf(solver, *fit.arx);

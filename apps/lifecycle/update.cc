@@ -7,7 +7,7 @@
 #include "apps/lifecycle/life.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle::lifecycle {
 namespace {

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/report/text.h"
 #include "mle/base/status.h"
-#include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle::reproduce {
 namespace {

@@ -237,15 +237,15 @@ std::optional<int> FirstDay(const std::vector<CostPoint>& points,
   return std::nullopt;
 }
 
-AgeingCost Untold(AgeingCost::State state, std::string reason) {
+AgeingCost Unavailable(AgeingCost::State state, std::string reason) {
   return {.state = state, .reason = std::move(reason)};
 }
 
 AgeingCost CannotTell(std::string reason) {
-  return Untold(AgeingCost::State::kCannotTell, std::move(reason));
+  return Unavailable(AgeingCost::State::kCannotTell, std::move(reason));
 }
 
-// Why nothing can be told before anything is computed, or nothing.
+// Why no cost can be estimated before anything is computed, or nothing.
 std::string WhyNot(const ProcessModel& model, const Watch& watch,
                    const Controller& controller, const Changes& changes) {
   if (!changes.any_told) {
@@ -330,7 +330,7 @@ AgeingCost CostOfAgeing(const Controller& controller, const ProcessModel& model,
                         const Watch& watch,
                         const std::vector<OutputTrend>& trends) {
   if (!controller.valuation.has_value() || !controller.tuning.has_value()) {
-    return Untold(
+    return Unavailable(
         AgeingCost::State::kNotAsked,
         absl::StrCat("To say what ageing costs, and from when on an update "
                      "pays, the list of controllers has to have ",

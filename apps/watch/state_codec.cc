@@ -137,9 +137,9 @@ std::string EncodeReference(const WatchReference& reference) {
     outputs.push_back({{"variance", noise.variance},
                        {"ratio", noise.ratio},
                        {"offset", noise.offset},
-                       {"colour_ratio", noise.colour_ratio},
-                       {"colour_pole", noise.colour_pole},
-                       {"colour_damping", noise.colour_damping},
+                       {"colour_ratio", noise.ar_ratio},
+                       {"colour_pole", noise.ar_pole},
+                       {"colour_damping", noise.ar_damping},
                        {"deviation", output.deviation},
                        {"covariances", output.covariances}});
   }
@@ -167,9 +167,9 @@ absl::StatusOr<WatchReference> DecodeReference(const std::string& json) {
       output.noise.variance = from.at("variance").get<double>();
       output.noise.ratio = from.at("ratio").get<double>();
       output.noise.offset = from.at("offset").get<bool>();
-      output.noise.colour_ratio = from.at("colour_ratio").get<double>();
-      output.noise.colour_pole = from.at("colour_pole").get<double>();
-      output.noise.colour_damping = from.at("colour_damping").get<double>();
+      output.noise.ar_ratio = from.at("colour_ratio").get<double>();
+      output.noise.ar_pole = from.at("colour_pole").get<double>();
+      output.noise.ar_damping = from.at("colour_damping").get<double>();
       output.deviation = from.at("deviation").get<double>();
       output.covariances = from.at("covariances").get<std::vector<double>>();
       reference.outputs.push_back(std::move(output));

@@ -15,7 +15,7 @@
 #include "mle/base/double_limits.h"
 #include "mle/database/database_options.h"
 #include "mle/model/process_model.h"
-#include "mle/monitor/watch_options.h"
+#include "mle/monitor/change_evidence.h"
 
 namespace mle::watch {
 

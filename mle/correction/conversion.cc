@@ -6,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/correction/regression_data.h"
+#include "mle/regression/lasso_solver.h"
 
 namespace mle {
 

@@ -19,6 +19,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
+#include "mle/correction/correction_options.h"
 #include "mle/correction/regression_data.h"
 #include "mle/correction/selection.h"
 #include "mle/data/record.h"
@@ -27,23 +28,6 @@
 #include "mle/regression/lasso_solver.h"
 
 namespace mle {
-
-struct CorrectionOptions {
-  // Ascending, ≥ 0, not empty; the paper's are 0, 1e-6, …, 1e-2.
-  Eigen::VectorXd lambdas = {};
-  Scaling scaling = Scaling::kStandardise;
-  // An intercept for each window rather than one for all: for records whose
-  // operating points, or slow disturbances, differ. Only if standardised.
-  bool window_intercepts = false;
-  // p × n, or empty for ones: weight of each coefficient's penalty, ≥ 0. 0
-  // leaves it free, ∞ holds it: for inputs known not to reach an output, or
-  // lags shorter than a known dead time.
-  Eigen::MatrixXd penalty_weights = {};
-  SelectionOptions selection = {};
-  LassoSolverOptions solver = {};
-
-  absl::Status Validate() const;
-};
 
 // {0, step, 2 step, …, max}: every multiple of step up to max and a rounding.
 absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step);

@@ -9,7 +9,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/model/step_response.h"
-#include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle {
 

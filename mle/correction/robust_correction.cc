@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSpared = 0.5;
+constexpr double kDownWeighted = 0.5;
 // Weights that move less than this are left as they are in the moments.
 constexpr double kUnmoved = 1e-9;
 // Rows whose products are added at a time.
@@ -122,8 +122,8 @@ absl::StatusOr<RobustFit> FitOutput(const Correction& correction, int output,
     const RobustWeights robust =
         ComputeRobustWeights(options.loss, rows.Residuals(problem, b));
     fit.scale = robust.scale;
-    fit.spared_rows =
-        static_cast<int>((robust.weights.array() < kSpared).count());
+    fit.down_weighted_rows =
+        static_cast<int>((robust.weights.array() < kDownWeighted).count());
     fit.weight_change = rows.SetWeights(robust.weights);
     problem = MakeLassoProblem(rows.moments(), correction.scaling());
     beta = b.cwiseProduct(problem.scale);

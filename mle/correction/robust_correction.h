@@ -53,7 +53,7 @@ struct RobustFit {
   double scale = 0.0;          // s
   double weight_change = 0.0;  // at the last
   double relative_gap = 0.0;   // with the weights of the final residuals
-  int spared_rows = 0;         // of weight below 0.5
+  int down_weighted_rows = 0;  // of weight below 0.5
   int rounds = 0;
   SmoothedLassoSummary lasso;  // the last
 };

@@ -37,45 +37,11 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
+#include "mle/correction/correction_options.h"
 #include "mle/correction/regression_data.h"
 #include "mle/regression/lasso_solver.h"
 
 namespace mle {
-
-struct SelectionOptions {
-  enum class Rule { kLeaveChangeOut, kBlocks, kAic, kBic, kGcv };
-  Rule rule = Rule::kBlocks;
-  int folds = 5;  // of kBlocks, ≥ 2
-  // For kBlocks: the samples of a block, ≥ 0; 0 takes twice the model's order.
-  int block_length = 0;
-  // For kBlocks, ≥ 1: the number of times that the windows are cut, each time
-  // that part of a block later; the losses are added.
-  int phases = 2;
-  // Samples predicted before measured outputs are used again: 1 predicts one
-  // step ahead, 0 simulates every window from its start, −1 takes a fifth of
-  // the model's order. But for 1 the mean residual of a run of rows is taken
-  // off. For cross-validation only; the paper's rule has 1.
-  int horizon = -1;
-  // The largest λ whose loss is within one standard error of the smallest
-  // (Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2nd
-  // ed., 7.10). For cross-validation only.
-  bool one_standard_error = false;
-  // A λ for each output rather than one for all.
-  bool per_output = false;
-  // For kBlocks, ≥ 0: the standard deviations by which Ê at λ* may exceed the
-  // least Ê; 0 takes the λ of least loss in any case. Not used with per_output.
-  double response_deviations = 2.0;
-  // λ* among the values of the grid; else, where the loss is known exactly,
-  // among all λ ≥ 0.
-  bool on_grid = false;
-
-  absl::Status Validate() const;
-  bool operator==(const SelectionOptions&) const = default;
-
-  // Block length and horizon for a model of order `order`.
-  int BlockLength(int order) const;
-  int Horizon(int order) const;
-};
 
 struct SelectionSummary {
   Eigen::VectorXd lambda_star;  // p, all equal unless per_output

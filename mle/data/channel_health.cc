@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/double_limits.h"
+#include "mle/data/outliers.h"
 #include "mle/data/robust_statistics.h"
 
 namespace mle {

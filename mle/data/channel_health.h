@@ -24,12 +24,18 @@
 #include <vector>
 
 #include "Eigen/Core"
-#include "mle/data/outliers.h"
 #include "mle/data/record.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
+
+// Of the Hampel filter.
+struct OutlierOptions {
+  // Samples on each side, ≥ 2. Fewer than this in a row are found.
+  int half_width = 5;
+  double threshold = 5.0;  // > 0
+};
 
 struct HealthOptions {
   OutlierOptions outliers;

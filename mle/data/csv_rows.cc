@@ -8,6 +8,7 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/file_kind.h"
+#include "mle/data/import_options.h"
 
 namespace mle {
 namespace {

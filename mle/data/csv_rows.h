@@ -26,6 +26,7 @@
 #include <utility>
 #include <vector>
 
+#include "mle/data/import_options.h"
 #include "mle/data/row_source.h"
 
 namespace mle {

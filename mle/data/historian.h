@@ -44,89 +44,15 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/data/clock_options.h"
-#include "mle/data/quality_columns.h"
+#include "mle/data/import_options.h"
 #include "mle/data/record.h"
-#include "mle/data/record_columns.h"
-#include "mle/data/record_sink.h"
-#include "mle/data/row_source.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
 
-// Meaning of an empty field of a table.
-enum class EmptyFields {
-  kRecognise,  // unchanged, if the table looks as if reported by exception
-  kBad,        // a bad sample
-  kUnchanged,  // the value of the row above
-};
-
-// How far an import is.
-struct ImportProgress {
-  std::string source;      // its name
-  std::int64_t rows = 0;   // read of it
-  std::string reached;     // the time of the last one, as messages have it
-  double fraction = -1.0;  // of the source, in [0, 1]; negative: not known
-};
-
-// Times are in the model's unit.
-struct HistorianOptions {
-  // The text. 0: recognised.
-  char separator = 0;  // ',', ';' or a tab
-  char decimal = 0;    // '.' or ','
-  // Titles, and rows of units. 0: recognised.
-  int lines_above_header = 0;
-  int rows_below_header = 0;
-  // Names of the columns of files that have no header.
-  std::vector<std::string> header = {};
-  CsvLimits limits = {};
-
-  // Time, tags and their units, quality columns, others.
-  ColumnOptions columns = {};
-  // Values of quality columns that mean good, whatever their case. All others
-  // mean bad, but as long as they are these, for what is usual (IsUsuallyGood()
-  // in quality_columns.h).
-  std::vector<std::string> good_qualities = UsualGoodQualities();
-  // Values that mark a bad sample, besides an empty field, NaN and the words in
-  // KnownBadWords(): as text or as a number ("-9999").
-  std::vector<std::string> bad_values = {};
-  // All other text in place of a number is a bad sample too; if false, it is an
-  // error that counts such words.
-  bool any_word_is_bad = false;
-  EmptyFields empty_fields = EmptyFields::kRecognise;
-
-  // The clock of all files; or clocks, one for each file, in the order in which
-  // they are given.
-  ClockOptions clock = {};
-  std::vector<ClockOptions> clocks = {};
-  // The time range that is read (time_range.h): numbers or dates; empty: no
-  // limit. Both are included.
-  std::string begin = {};
-  std::string end = {};
-  // Files whose times are numbers are records of their own, one after another
-  // in the order given: each may begin at 0.
-  bool separate_files = false;
-  // A row at the time of the one before, or earlier than it: an error, unless
-  // such rows are ignored and counted.
-  bool skip_repeated_times = false;
-  // Rows of one time, whose seconds are lost, are spread evenly until the next.
-  bool spread_repeated_times = false;
-  bool skip_backward_times = false;
-
-  // Δt > 0; 0: the files' step.
-  double sample_time = 0.0;
-  // Gaps of inputs and set points are bridged up to this, ≥ 0. Negative: 5 Δt,
-  // or 5 steps where those are longer. Gaps of outputs stay NaN.
-  double max_gap = -1.0;
-  // Limit of the samples of all records together, > 0: more is an error.
-  std::int64_t max_samples = 20'000'000;
-  // Called after every 1,000 rows of files and databases; false ends the import
-  // with absl::CancelledError. May be empty.
-  std::function<bool(const ImportProgress&)> progress = {};
-
-  absl::Status Validate(const ProcessModel& channels) const;
-};
+class RecordSink;
+class RowSource;
 
 // Why samples are bad.
 struct BadSampleCounts {
@@ -217,6 +143,10 @@ struct HistorianImport {
   std::vector<Record> records;
   HistorianReport report;
 };
+
+// Records of these channels, from wherever those of a model come.
+using ImportOf = std::function<absl::StatusOr<HistorianImport>(
+    const ProcessModel&, const HistorianOptions&)>;
 
 // A file, a query of a database (mle/database), or what takes their place in a
 // test. Opened more than once, and always with the same rows.

@@ -12,15 +12,10 @@
 
 #include <vector>
 
+#include "mle/data/channel_health.h"
 #include "mle/data/robust_statistics.h"
 
 namespace mle {
-
-struct OutlierOptions {
-  // Samples on each side, ≥ 2. Fewer than this in a row are found.
-  int half_width = 5;
-  double threshold = 5.0;  // > 0
-};
 
 // Their positions, ascending. Needs at least half_width good samples around.
 std::vector<int> FindOutliers(const SampleRow& samples,

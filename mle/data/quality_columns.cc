@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_split.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/import_options.h"
 #include "mle/data/nearest_names.h"
 
 namespace mle {

@@ -26,10 +26,6 @@ enum class QualityKind {
 // Timeout, null, N/A, …
 const std::vector<std::string>& KnownBadWords();
 
-// Values of quality columns that mean good unless others are declared: good, ok
-// and 192.
-const std::vector<std::string>& UsualGoodQualities();
-
 // The samples whose quality a column of this name describes, and the kind of
 // its content.
 struct QualityName {

@@ -17,7 +17,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "mle/data/clock_options.h"
+#include "mle/data/import_options.h"
 #include "mle/data/time_format.h"
 
 namespace mle {

@@ -3,14 +3,13 @@
 #ifndef MLE_DATA_RECORD_COLUMNS_H_
 #define MLE_DATA_RECORD_COLUMNS_H_
 
-#include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/data/import_options.h"
 #include "mle/data/quality_columns.h"
 #include "mle/model/process_model.h"
 
@@ -46,45 +45,11 @@ struct RecordColumn {
   QualityKind quality = QualityKind::kCode;
 };
 
-// A column whose name is not that of its channel, or whose unit is not.
-struct TagMapping {
-  std::string tag;      // name of the column
-  std::string channel;  // input, output or <output>_setpoint of the model
-  double scale = 1.0;   // not 0: channel = scale × column + offset
-  double offset = 0.0;
-  std::string place = {};  // where it is written, for messages: a file, a line
-  // In place of what the model declares of an input or output.
-  std::optional<Sampling> sampling = {};
-};
-
 // What is declared of an output or input: by its tag, else by the model.
 Sampling SamplingOf(const OutputChannel& output,
                     const std::vector<TagMapping>& tags);
 Sampling SamplingOf(const InputChannel& input,
                     const std::vector<TagMapping>& tags);
-
-struct ColumnOptions {
-  // Two columns are named with a plus between them: "date+time".
-  std::string time_column = "time";
-  // Columns of long tables, which have a row for each sample; empty: recognised
-  // by usual names (tag, value, quality, …).
-  std::string tag_column = {};
-  std::string value_column = {};
-  std::string quality_column = {};
-  std::vector<TagMapping> tags = {};
-  // Columns known not to be needed: ignored without being asked for.
-  std::vector<std::string> unused_tags = {};
-  // Words, folded (nearest_names.h), that stand for a number.
-  std::map<std::string, double> word_values = {};
-  // Unknown columns are ignored. If false, they are errors.
-  bool ignore_other_columns = false;
-  // <column><suffix> is the quality of <column>. As long as they are these,
-  // other usual names are known too (quality_columns.h).
-  std::vector<std::string> quality_suffixes = {"_quality", ".quality"};
-
-  // Channels exist, none is mapped twice, scales are finite and not 0.
-  absl::Status Validate(const ProcessModel& channels) const;
-};
 
 // The names of samples that a record of these channels can have: each output
 // and its set point, each input.

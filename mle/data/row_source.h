@@ -20,11 +20,6 @@
 
 namespace mle {
 
-struct CsvLimits {
-  std::size_t max_row_bytes = std::size_t{1} << 20;
-  int max_columns = 10000;
-};
-
 class RowSource {
  public:
   // `source` opens every message. `is_table`: messages count rows, the first

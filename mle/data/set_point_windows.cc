@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
+#include "mle/data/steady_operation.h"
 
 namespace mle {
 namespace {
@@ -182,24 +183,24 @@ void PlaceWindows(const Extent& extent, int samples,
 }
 
 // Samples first … last of a record, less what the model makes of the inputs.
-std::vector<QuietPart> TestParts(const Record& record,
-                                 const ProcessModel& model, int first, int last,
-                                 double settling,
-                                 const WindowOptions& options) {
-  if (last < first) return std::vector<QuietPart>(record.num_outputs());
+std::vector<SteadyOperation> TestParts(const Record& record,
+                                       const ProcessModel& model, int first,
+                                       int last, double settling,
+                                       const WindowOptions& options) {
+  if (last < first) return std::vector<SteadyOperation>(record.num_outputs());
   const Eigen::MatrixXd residual = ModelResidual(
       record, model, first, last, static_cast<int>(std::min(settling, 1e9)));
-  std::vector<QuietPart> parts;
+  std::vector<SteadyOperation> parts;
   for (int i = 0; i < record.num_outputs(); ++i) {
-    parts.push_back(
-        TestQuietPart(residual.row(i), record.time(first), record.sample_time,
-                      {options.report_threshold, options.report_size}));
+    parts.push_back(TestSteadyOperation(
+        residual.row(i), record.time(first), record.sample_time,
+        {options.report_threshold, options.report_size}));
   }
   return parts;
 }
 
-// `settled`: the first sample of the record that the change before leaves
-// quiet.
+// `settled`: the first sample of the record at which the plant has settled
+// after the change before.
 absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
                                           const ProcessModel& model,
                                           const Group& group, int settled,
@@ -217,8 +218,8 @@ absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
   window.clipped_before = group.clipped_before;
   window.clipped_after = group.clipped_after;
 
-  const int first_quiet = std::max(settled - group.begin, 0);
-  window.before = TestParts(record, model, group.begin + first_quiet,
+  const int first_steady = std::max(settled - group.begin, 0);
+  window.before = TestParts(record, model, group.begin + first_steady,
                             center - 1, extent.settling, options);
   window.after = TestParts(
       record, model,
@@ -247,8 +248,8 @@ std::vector<SetPointChange> FindMovesByHand(const Record& record) {
 // A change of an input by more than this share of its range is a move by hand.
 constexpr double kLeastMove = 0.02;
 
-bool Covers(const ByHand& stretch, double time) {
-  return time >= stretch.from && time <= stretch.to;
+bool Covers(const ByHand& segment, double time) {
+  return time >= segment.from && time <= segment.to;
 }
 
 bool SaysNothing(const SetPointChange& change, const Record& record,

@@ -19,24 +19,18 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
-#include "mle/data/robust_statistics.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
 
-// Test for drift and steps in a part that should be at rest.
-//
-// Under the null hypothesis the samples are white noise about a constant. A
-// trend is tested by its slope, a step by the largest difference of the means
-// on both sides of a split; the one with the smaller residual is reported.
-
-// A quiet part of an output, less the model's response to the inputs, with
+// A part of an output in which operation should be steady, less the model's
+// response to the inputs, with
 // which control compensates disturbances of the output.
-struct QuietPart {
+struct SteadyOperation {
   enum class Verdict {
     kUnknown,    // too short to say
-    kQuiet,      // noise about a constant
+    kSteady,     // noise about a constant
     kDrifting,   // a trend
     kDisturbed,  // a step
   };
@@ -47,17 +41,8 @@ struct QuietPart {
   double time = 0.0;        // of the step
 };
 
-// Thresholds above which a part is not quiet.
-struct QuietLimits {
-  double deviations = 5.0;  // standard errors
-  double size = 1.0;        // standard deviations of the noise
-};
-
-QuietPart TestQuietPart(const SampleRow& samples, double start_time,
-                        double sample_time, QuietLimits limits);
-
 // Times in the model's unit.
-// A stretch in which an operator moves inputs, as a tag of modes says.
+// A segment in which an operator moves inputs, as a tag of modes says.
 struct ByHand {
   static constexpr int kAll = -1;
   static constexpr int kNone = -2;
@@ -84,8 +69,8 @@ struct WindowOptions {
   std::vector<double> change_times = {};
   // Moves of inputs in these count as changes, too, those of set points do not.
   std::vector<ByHand> by_hand = {};
-  // Standard deviations that a trend or a step in a quiet part must have to be
-  // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
+  // Standard deviations that a trend or a step in steady operation must have to
+  // be reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
   double report_threshold = 5.0;
   // And standard deviations of the noise that its size must have, ≥ 0.
   double report_size = 1.0;
@@ -105,8 +90,8 @@ struct SetPointWindow {
   // The window is shorter than requested: the record or another window ends it.
   bool clipped_before = false;
   bool clipped_after = false;
-  std::vector<QuietPart> before;  // p: quiet part before the change
-  std::vector<QuietPart> after;   // p: once settled
+  std::vector<SteadyOperation> before;  // p: before the change
+  std::vector<SteadyOperation> after;   // p: once settled
 };
 
 // `after` begins with the sample after the last one of `before`.
@@ -126,7 +111,7 @@ struct WindowSet {
 
 // The changes of set points of each record, those up to `min_change` left out;
 // or those at given times (each in the record that holds it; `output` −1).
-// To those of set points come moves by hand (`output` −1), where stretches are
+// To those of set points come moves by hand (`output` −1), where segments are
 // given. Where no set point changes in any record, the moves of inputs
 // (`output` −1) of each record whose inputs rest at nine samples of ten: steps
 // by hand.

@@ -14,7 +14,7 @@
 
 #include "absl/status/statusor.h"
 #include "mle/data/civil_time.h"
-#include "mle/data/clock_options.h"
+#include "mle/data/import_options.h"
 
 namespace mle {
 

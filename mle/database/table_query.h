@@ -5,8 +5,8 @@
 //   WHERE "time" >= timestamp '2024-03-03 00:00:00' ORDER BY "time"
 //
 // All names are quoted, so that none can be more than a name; columns are those
-// that the table says it has. The database is spared what lies more than a day
-// outside of the range; the importer cuts exactly, in the zone of the records.
+// that the table says it has. What lies more than a day outside of the range is
+// not asked for; the importer cuts exactly, in the zone of the records.
 
 #ifndef MLE_DATABASE_TABLE_QUERY_H_
 #define MLE_DATABASE_TABLE_QUERY_H_

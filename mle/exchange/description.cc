@@ -13,9 +13,8 @@
 #include "mle/base/status.h"
 #include "mle/model/element_response.h"
 #include "mle/model/transfer_function.h"
-#include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/low_order_fit.h"
 #include "mle/nonlinear/rational_fit.h"
-#include "mle/nonlinear/sopdt_fit.h"
 
 namespace mle {
 namespace {

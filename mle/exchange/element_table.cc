@@ -10,8 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "mle/exchange/description.h"
 #include "mle/exchange/nearest_integrator.h"
-#include "mle/nonlinear/fopdt_fit.h"
-#include "mle/nonlinear/sopdt_fit.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle {
 namespace {

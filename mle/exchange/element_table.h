@@ -61,7 +61,7 @@ std::string FormatElementTable(const ElementTable& table);
 // The table with the elements of `corrected` (the same channels). Rows whose
 // elements are those of `table` keep their numbers. An element of the rows'
 // form is written exactly; of any other, the one of first or second order
-// whose step response is nearest (fopdt_fit.h, sopdt_fit.h), and how near.
+// whose step response is nearest (low_order_fit.h), and how near.
 ElementTable WithElements(const ElementTable& table,
                           const ProcessModel& corrected);
 

@@ -43,11 +43,11 @@
 #include "mle/data/record.h"
 #include "mle/explain/curves.h"
 #include "mle/explain/explanation.h"
-#include "mle/explain/feedback.h"
-#include "mle/model/element_response.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
+
+struct ElementValues;  // element_response.h
 
 struct ExplainOptions {
   // −ln of the probability of taking an explanation by chance, > 0: e⁻⁸ is
@@ -95,6 +95,10 @@ inline constexpr double kRivalMargin = 5.0;
 
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;
+
+// Outputs drive inputs where the p-value of that test (feedback.h) is below
+// this level.
+inline constexpr double kFeedback = 0.01;
 
 // The explanations of one output, and the evidence for them.
 struct OutputExplanation {

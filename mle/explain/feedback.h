@@ -24,9 +24,6 @@ namespace mle {
 
 class ExplainedOutput;
 
-// There is feedback where the p-value is below this level.
-inline constexpr double kFeedback = 0.01;
-
 // The p-value of b = 0: the probability that e predicts some input of the
 // output this well by chance, were there no feedback. There is none where the
 // rows are too few to test.

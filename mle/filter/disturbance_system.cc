@@ -4,7 +4,7 @@
 
 #include "Eigen/LU"
 #include "glog/logging.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 
 namespace mle {
 namespace {
@@ -14,10 +14,10 @@ constexpr int kMostDoublings = 60;
 constexpr double kSmallStep = 1e-15;
 
 DisturbanceSystem EverySample(const NoiseEstimate& noise) {
-  const bool coloured = noise.colour_ratio > 0.0;
-  const Colour colour(coloured ? noise.colour_pole : 0.0,
-                      coloured ? noise.colour_damping : 0.0);
-  const Eigen::Index n = coloured ? 1 + colour.order() : 1;
+  const bool coloured = noise.ar_ratio > 0.0;
+  const ArComponent ar(coloured ? noise.ar_pole : 0.0,
+                       coloured ? noise.ar_damping : 0.0);
+  const Eigen::Index n = coloured ? 1 + ar.order() : 1;
   DisturbanceSystem system{.A = StateMatrix::Zero(n, n),
                            .C = StateRow::Zero(n),
                            .Q = StateMatrix::Zero(n, n),
@@ -26,15 +26,15 @@ DisturbanceSystem EverySample(const NoiseEstimate& noise) {
   system.C(0) = 1.0;
   system.Q(0, 0) = noise.increment_variance();
   if (!coloured) return system;
-  const Colour::Power step = colour.After(1);
+  const ArComponent::Power step = ar.After(1);
   system.A(1, 1) = step.own;
   system.C(1) = 1.0;
   if (n == 3) {
     system.A(1, 2) = step.cross;
-    system.A(2, 1) = colour.spread() * step.cross;
+    system.A(2, 1) = ar.spread() * step.cross;
     system.A(2, 2) = step.own;
   }
-  system.Q(n - 1, n - 1) = noise.colour_ratio * noise.variance;
+  system.Q(n - 1, n - 1) = noise.ar_ratio * noise.variance;
   return system;
 }
 
@@ -68,12 +68,12 @@ std::vector<double> Autocovariances(const NoiseEstimate& noise, int samples) {
   constexpr int kMostLags = 1000;
   constexpr double kNoCorrelation = 1e-4;
   std::vector<double> covariances;
-  if (!(noise.colour_ratio > 0.0)) return covariances;
-  const Colour colour(noise.colour_pole, noise.colour_damping);
-  const Colour::Covariance now = colour.Stationary();
-  const double shocks = noise.colour_ratio * noise.variance;
+  if (!(noise.ar_ratio > 0.0)) return covariances;
+  const ArComponent ar(noise.ar_pole, noise.ar_damping);
+  const ArComponent::Covariance now = ar.Stationary();
+  const double shocks = noise.ar_ratio * noise.variance;
   for (int h = 0; h < kMostLags; ++h) {
-    const Colour::Power later = colour.After(h * samples);
+    const ArComponent::Power later = ar.After(h * samples);
     covariances.push_back(shocks * (later.own * now.aa + later.cross * now.ab));
     if (std::abs(covariances.back()) < kNoCorrelation * covariances.front()) {
       break;

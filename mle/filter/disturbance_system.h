@@ -20,6 +20,8 @@
 //
 //   const DisturbanceSystem system = SystemOf(noise, 1);
 //   const StationaryFilter filter = SolveStationaryFilter(system);
+//
+// Internal to this project.
 
 #ifndef MLE_FILTER_DISTURBANCE_SYSTEM_H_
 #define MLE_FILTER_DISTURBANCE_SYSTEM_H_
@@ -27,32 +29,10 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/filter/output_filter.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
-
-// Of up to three states, which take no memory from the heap.
-using StateMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
-using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
-using StateRow =
-    Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3>;
-
-struct DisturbanceSystem {
-  // n × n. The first state is the walk, A(0, :) = (1, 0, …).
-  StateMatrix A;
-  StateRow C;                   // n
-  StateMatrix Q;                // n × n
-  double noise_variance = 0.0;  // r
-
-  Eigen::Index order() const { return A.rows(); }
-};
-
-// Every `samples`-th sample, ≥ 1. With `walk_lag` > 0, in samples, the walk
-// acts behind a lag of this time constant, and there is no coloured component.
-// Sinusoids and steps of the estimate are left out.
-DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples,
-                           double walk_lag = 0.0);
 
 // γ_0, γ_1, … of the coloured component, every `samples`-th sample, until they
 // are below 1e-4 of the first, 1000 at most; empty without one.
@@ -70,15 +50,6 @@ struct LevelAndRest {
   StateMatrix N;      // n × n
 };
 LevelAndRest Separate(const DisturbanceSystem& system);
-
-struct StationaryFilter {
-  StateVector gain;                  // K, n
-  StateMatrix covariance;            // P, n × n, of d̂ before its sample
-  double innovation_variance = 0.0;  // F
-  // The certificate: what the equation of P leaves, relative to the largest
-  // entry of P.
-  double residual = 0.0;
-};
 
 // r > 0, and the random walk's variance > 0.
 StationaryFilter SolveStationaryFilter(const DisturbanceSystem& system);

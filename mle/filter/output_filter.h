@@ -33,7 +33,6 @@
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
-#include "mle/filter/disturbance_system.h"
 #include "mle/model/state_space.h"
 #include "mle/nonlinear/output_error_correction.h"
 
@@ -52,6 +51,41 @@ struct FilterOptions {
   Eigen::VectorXd gains_in_use;
 
   absl::Status Validate() const;
+};
+
+// The disturbance of an output (disturbance_system.h has the equations).
+//
+// Of up to three states, which take no memory from the heap.
+using StateMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
+using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
+using StateRow =
+    Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3>;
+
+struct DisturbanceSystem {
+  // n × n. The first state is the walk, A(0, :) = (1, 0, …).
+  StateMatrix A;
+  StateRow C;                   // n
+  StateMatrix Q;                // n × n
+  double noise_variance = 0.0;  // r
+
+  Eigen::Index order() const { return A.rows(); }
+};
+
+// Every `samples`-th sample, ≥ 1. With `walk_lag` > 0, in samples, the walk
+// acts behind a lag of this time constant, and there is no coloured component.
+// Sinusoids and steps of the estimate are left out.
+DisturbanceSystem SystemOf(const NoiseEstimate& noise, int samples,
+                           double walk_lag = 0.0);
+
+// Of a disturbance.
+struct StationaryFilter {
+  StateVector gain;                  // K, n
+  StateMatrix covariance;            // P, n × n, of d̂ before its sample
+  double innovation_variance = 0.0;  // F
+  // The certificate: what the equation of P leaves, relative to the largest
+  // entry of P.
+  double residual = 0.0;
 };
 
 // A form of the filter, and the root mean squared errors of its predictions on

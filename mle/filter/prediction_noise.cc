@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mle/data/record.h"
+#include "mle/nonlinear/ar_search.h"
 #include "mle/nonlinear/brent_search.h"
-#include "mle/nonlinear/colour_search.h"
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_problem.h"
 
@@ -28,8 +28,8 @@ constexpr int kSearchBits = 10;
 
 // The time constant of the lag, in samples, of a noise that does not return.
 double LagOf(const NoiseShape& shape) {
-  const double damping = shape.colour_damping;
-  return MemoryOf(shape.colour_pole) *
+  const double damping = shape.ar_damping;
+  return MemoryOf(shape.ar_pole) *
          (damping - std::sqrt(damping * damping - 1.0));
 }
 
@@ -40,14 +40,14 @@ Profile BestWalkBehindLag(const ShapeLikelihood& likelihood) {
   Profile best;
   const auto search = [&](double lag) {
     const double natural = std::sqrt(lag * slow);
-    NoiseShape shape{.colour_pole = PoleOf(natural),
-                     .colour_damping = 0.5 * (lag + slow) / natural};
+    NoiseShape shape{.ar_pole = PoleOf(natural),
+                     .ar_damping = 0.5 * (lag + slow) / natural};
     // Shocks of a walk reach 1/(1 − exp(−1/lag)) of their size behind it.
     const double lost = -2.0 * std::log(-std::expm1(-1.0 / lag));
     Profile of_lag;
     SearchLeast(-kLogRatioRange, kLogRatioRange, kSearchBits,
                 [&](double log_ratio) {
-                  shape.colour_ratio = std::exp(log_ratio - lost);
+                  shape.ar_ratio = std::exp(log_ratio - lost);
                   const Profile profile = likelihood.At(shape);
                   if (profile.value < of_lag.value) of_lag = profile;
                   return profile.value;
@@ -77,7 +77,7 @@ struct FoundShape {
 FoundShape LikeliestForPrediction(const ShapeLikelihood& likelihood) {
   const Profile walk = FindBestShape(likelihood, NoiseShape(),
                                      /*estimate_drift=*/true,
-                                     /*search_colour=*/false);
+                                     /*search_ar=*/false);
   FoundShape best{.profile = walk};
   double least = walk.value;
   const auto compare = [&](const FoundShape& found, double price) {
@@ -87,7 +87,7 @@ FoundShape LikeliestForPrediction(const ShapeLikelihood& likelihood) {
   };
   compare({BestWalkBehindLag(likelihood), true}, kPrice);
   for (const int order : {1, 2}) {
-    compare({FindBestColour(likelihood, order, walk)}, kPrice * (order + 1));
+    compare({FindBestAr(likelihood, order, walk)}, kPrice * (order + 1));
   }
   return best;
 }
@@ -125,7 +125,7 @@ PredictionNoise WalkOf(const ShapeLikelihood& likelihood,
   found.noise.variance = coloured.variance;
   // Of the walk a shock is 1/(1 − exp(−1/lag)) as large.
   found.noise.ratio =
-      coloured.colour_ratio * std::pow(std::expm1(-1.0 / found.walk_lag), -2.0);
+      coloured.ar_ratio * std::pow(std::expm1(-1.0 / found.walk_lag), -2.0);
   found.noise.log_deviations[0] = coloured.log_deviations[1];
   return found;
 }

@@ -6,6 +6,7 @@
 
 #include "Eigen/Core"
 #include "mle/maintain/stamps.h"
+#include "mle/model/element_response.h"
 
 namespace mle {
 namespace {

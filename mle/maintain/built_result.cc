@@ -8,9 +8,10 @@
 
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/explained.h"
+#include "mle/maintain/stage.h"
 #include "mle/maintain/usual_residuals.h"
 
 namespace mle {

@@ -8,7 +8,7 @@
 #include "mle/maintain/candidates.h"
 #include "mle/maintain/correct.h"
 #include "mle/maintain/decision.h"
-#include "mle/maintain/hold_out.h"
+#include "mle/maintain/validation.h"
 
 namespace mle {
 

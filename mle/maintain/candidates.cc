@@ -8,13 +8,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
 #include "mle/maintain/means.h"
 #include "mle/maintain/outlier_search.h"
+#include "mle/maintain/stage.h"
 #include "mle/maintain/stamps.h"
+#include "mle/maintain/steady_records.h"
 #include "mle/maintain/unfitted.h"
-#include "mle/maintain/usual_rest.h"
 
 namespace mle {
 namespace {
@@ -61,7 +63,8 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
 // are noted.
 absl::StatusOr<std::vector<Record>> UsualRest(const ProcessModel& model,
                                               RecordData& data) {
-  MLE_ASSIGN_OR_RETURN(RestParts rest, DivideRest(model, data.AtRest()));
+  MLE_ASSIGN_OR_RETURN(SteadyRecords rest,
+                       FindSteadyRecords(model, data.AtRest()));
   data.operated_as_usual = rest.left_out.empty();
   for (const auto& [from, to] : rest.left_out) {
     data.notes.push_back(

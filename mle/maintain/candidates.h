@@ -6,7 +6,7 @@
 //
 //   RecordData   records examined and cut into windows (records.h)
 //   Candidates   what may explain them (FindCandidates)
-//   Validation   how the estimate predicts what it has not seen (hold_out.h)
+//   Validation   how the estimate predicts what it has not seen (validation.h)
 //   Verdict      what is taken of it, and why (decision.h)
 //   CorrectionResult   the model for use and all that is told (correct.h)
 

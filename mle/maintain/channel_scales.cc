@@ -8,8 +8,9 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/correction/conversion.h"
 #include "mle/correction/excitation.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 
 namespace mle {
 namespace {
@@ -179,12 +180,12 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
   MLE_ASSIGN_OR_RETURN(Record record,
                        SimulateExcitation(Scaled(model, scales), excitation));
   GaussianNoise walk(settings.seed, kConversionStream, kDriftDisturbance);
-  GaussianNoise colour(settings.seed, kConversionStream, kColouredDisturbance);
+  GaussianNoise ar(settings.seed, kConversionStream, kColouredDisturbance);
   for (int i = 0; i < record.num_outputs(); ++i) {
     const double step = std::sqrt(noise[i].ratio * kPaperNoiseVariance);
     double level = 0.0;
-    ColourSignal coloured(Colour(noise[i].colour_pole, noise[i].colour_damping),
-                          noise[i].colour_ratio * kPaperNoiseVariance, colour);
+    ArSignal coloured(ArComponent(noise[i].ar_pole, noise[i].ar_damping),
+                      noise[i].ar_ratio * kPaperNoiseVariance, ar);
     for (int k = 0; k < record.samples(); ++k) {
       record.outputs(i, k) += level + coloured.value();
       level += walk.Draw(step);

@@ -14,24 +14,17 @@
 #ifndef MLE_MAINTAIN_CHANNEL_SCALES_H_
 #define MLE_MAINTAIN_CHANNEL_SCALES_H_
 
-#include <cstdint>
 #include <vector>
 
-#include "Eigen/Core"
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/correction/conversion.h"
+#include "mle/correction/correction_options.h"
 #include "mle/data/record.h"
+#include "mle/maintain/estimation.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
-
-struct ChannelScales {
-  Eigen::VectorXd outputs;  // p, s_i
-  Eigen::VectorXd inputs;   // m, s_j
-};
 
 // `noise` (p) of the plant; where an output has next to none, a 10⁻⁵th of its
 // range in `records` stands for its standard deviation.
@@ -43,18 +36,6 @@ Record Scaled(const Record& record, const ChannelScales& scales);
 ProcessModel Scaled(const ProcessModel& model, const ChannelScales& scales);
 // Back to the units of the records.
 ArxModel Unscaled(const ArxModel& model, const ChannelScales& scales);
-
-struct ConversionSettings {
-  int order = 0;           // d; 0: see ChooseOrder()
-  double penalty = 1e-6;   // λ₀ ≥ 0
-  int samples = 50000;     // of the excitation
-  std::uint64_t seed = 1;  // of the excitation
-  LassoSolverOptions solver;
-
-  absl::Status Validate() const;
-  // d of this model: `order`, or ChooseOrder().
-  int OrderFor(const ProcessModel& model, double sample_time) const;
-};
 
 // The longest dead time and slowest time constant of an element together: how
 // far back the inputs reach.

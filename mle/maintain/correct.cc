@@ -8,8 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
 #include "mle/exchange/model_file.h"
 #include "mle/maintain/built_result.h"
 #include "mle/maintain/candidates.h"

@@ -58,7 +58,7 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
                                                   int response_samples,
                                                   bool make_arx) {
   const EstimateSetting& setting = estimate.setting;
-  if (accepted && estimate.fit.arx.has_value()) {
+  if (accepted && estimate.fit.arx != nullptr) {
     return WithArx(estimate, sample_time, response_samples);
   }
   CorrectedModel corrected;

@@ -30,9 +30,9 @@
 //   nothing proposed, no pair informed                  kCannotTell
 //   nothing proposed                                    kNoChange
 //
-// "By more than chance" is `deviations` standard errors (hold_out.h); of single
-// windows it is what has the same probability in any of them (Bonferroni).
-// One function decides, for every estimator, command and study.
+// "By more than chance" is `deviations` standard errors (validation.h); of
+// single windows it is what has the same probability in any of them
+// (Bonferroni). One function decides, for every estimator, command and study.
 
 #ifndef MLE_MAINTAIN_DECISION_H_
 #define MLE_MAINTAIN_DECISION_H_
@@ -43,8 +43,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "mle/maintain/hold_out.h"
 #include "mle/maintain/message.h"
+#include "mle/maintain/validation.h"
 
 namespace mle {
 

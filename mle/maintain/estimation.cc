@@ -9,8 +9,11 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
+#include "mle/maintain/channel_scales.h"
 #include "mle/maintain/fit_by_output_error.h"
+#include "mle/maintain/prediction.h"
+#include "mle/maintain/stage.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {
@@ -97,10 +100,11 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
   };
   MLE_ASSIGN_OR_RETURN(const Correction* const made,
                        shared.arx.Get(correct, fit.seconds));
-  fit.arx = *made;
+  auto arx = std::make_shared<Correction>(*made);
   if (!(made->selection_options() == options.correction.selection)) {
-    MLE_RETURN_IF_ERROR(fit.arx->Select(options.correction.selection));
+    MLE_RETURN_IF_ERROR(arx->Select(options.correction.selection));
   }
+  fit.arx = std::move(arx);
   return SolveArx(options, fit);
 }
 
@@ -115,7 +119,7 @@ Eigen::VectorXd DefaultLambdaGrid() {
 }
 
 bool ProposesByArx(const Estimate& estimate, int output) {
-  return estimate.fit.arx.has_value() && estimate.setting.arx_outputs[output];
+  return estimate.fit.arx != nullptr && estimate.setting.arx_outputs[output];
 }
 
 bool ProposesElement(const Estimate& estimate, int output, int input) {
@@ -191,7 +195,7 @@ void KeepInitialOutput(int output, Estimate& estimate) {
 
 absl::Status MakePredictors(const std::vector<Record>& windows,
                             Estimate& estimate) {
-  const std::vector<Record> stretches = JoinAdjoining(windows).records;
+  const std::vector<Record> segments = JoinAdjoining(windows).records;
   const EstimateSetting& setting = estimate.setting;
   EstimateFit& fit = estimate.fit;
   const double sample_time = windows.front().sample_time;
@@ -199,14 +203,14 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
       [&](const ProcessModel& model) -> absl::StatusOr<Predictor> {
     MLE_ASSIGN_OR_RETURN(const InputResponse response,
                          ResponseOf(model, sample_time));
-    return PredictAsIn(stretches, response);
+    return PredictAsIn(segments, response);
   };
   MLE_ASSIGN_OR_RETURN(fit.initial, predict(setting.initial));
   fit.corrected = fit.initial;
-  if (fit.arx.has_value()) {
+  if (fit.arx != nullptr) {
     MLE_ASSIGN_OR_RETURN(
         fit.corrected,
-        PredictAsIn(stretches,
+        PredictAsIn(segments,
                     ResponseOf(Unscaled(fit.arx_model, setting.scales))));
   } else if (setting.options.estimator != Estimator::kArx &&
              fit.output_error.aged.any()) {
@@ -250,13 +254,13 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
         initial,
         "the estimator arx is for elements that settle: take output_error"));
   }
-  const std::vector<Record> stretches = JoinAdjoining(windows).records;
+  const std::vector<Record> segments = JoinAdjoining(windows).records;
   SharedFits own;
   SharedFits& fits = shared == nullptr ? own : *shared;
   Estimate estimate;
   EstimateFit& fit = estimate.fit;
   MLE_RETURN_IF_ERROR(
-      FitByOutputError(initial, stretches, options, progress, fits, fit));
+      FitByOutputError(initial, segments, options, progress, fits, fit));
   EstimateSetting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
@@ -264,7 +268,7 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   setting.filler = fit.output_error.full.model;
   setting.scales = options.converter
                        ? UnitScales(initial)
-                       : ChooseScales(initial, setting.noise, stretches);
+                       : ChooseScales(initial, setting.noise, segments);
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
   if (options.estimator == Estimator::kArx) {

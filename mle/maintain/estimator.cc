@@ -1,6 +1,5 @@
-#include "mle/maintain/estimator.h"
-
 #include "absl/strings/str_cat.h"
+#include "mle/maintain/estimation.h"
 
 namespace mle {
 namespace {

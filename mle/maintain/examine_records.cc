@@ -339,42 +339,12 @@ absl::StatusOr<std::vector<Finding>> Examiner::Run() {
 
 }  // namespace
 
-std::string_view NameOf(Consequence consequence) {
-  switch (consequence) {
-    case Consequence::kNote:
-      return "note";
-    case Consequence::kRepair:
-      return "repair";
-    case Consequence::kDoubts:
-      return "doubts";
-    case Consequence::kBlocks:
-      return "blocks";
-  }
-  return "";
-}
-
-absl::Status ExamineOptions::Validate() const {
-  if (threads < 0) {
-    return OptionError("threads", absl::StrCat("threads = ", threads,
-                                               ": it must not be negative"));
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<std::vector<Finding>> ExamineRecords(
     const ProcessModel& model, const ExamineOptions& options,
     std::vector<Record>& records) {
   MLE_RETURN_IF_ERROR(options.Validate());
   if (records.empty()) return std::vector<Finding>();
   return Examiner(model, options, records).Run();
-}
-
-const Finding* FirstBlocking(const std::vector<Finding>& findings) {
-  const auto found = std::find_if(
-      findings.begin(), findings.end(), [](const Finding& finding) {
-        return finding.consequence == Consequence::kBlocks;
-      });
-  return found == findings.end() ? nullptr : &*found;
 }
 
 }  // namespace mle

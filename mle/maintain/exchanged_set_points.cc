@@ -30,7 +30,7 @@ double MeanOf(const Eigen::VectorXd& values) {
   return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Ends of the stretches in which no set point moves.
+// Ends of the segments in which no set point moves.
 std::vector<int> EndsOf(const Record& record) {
   std::vector<int> ends;
   for (const SetPointChange& change : FindSetPointChanges(record)) {

@@ -10,6 +10,7 @@
 #include "mle/maintain/aged_elements.h"
 #include "mle/maintain/explained.h"
 #include "mle/maintain/stamps.h"
+#include "mle/model/element_response.h"
 
 namespace mle {
 namespace {

@@ -5,6 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/maintain/kept_parameters.h"
+#include "mle/maintain/no_change_test.h"
+#include "mle/maintain/stage.h"
 #include "mle/maintain/unfitted.h"
 
 namespace mle {

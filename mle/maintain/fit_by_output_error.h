@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "mle/data/record.h"
 #include "mle/maintain/estimation.h"
-#include "mle/maintain/progress.h"
+#include "mle/maintain/message.h"
 #include "mle/maintain/shared_fits.h"
 #include "mle/model/process_model.h"
 

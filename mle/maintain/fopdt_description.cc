@@ -1,5 +1,3 @@
-#include "mle/maintain/fopdt_description.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -7,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/exchange/nearest_integrator.h"
+#include "mle/maintain/corrected_model.h"
 
 namespace mle {
 namespace {

@@ -1,5 +1,3 @@
-#include "mle/maintain/hold_out.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +11,9 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
+#include "mle/maintain/stage.h"
+#include "mle/maintain/validation.h"
 
 namespace mle {
 namespace {
@@ -145,7 +145,7 @@ using Scores = std::vector<std::vector<std::array<Sums, 3>>>;
 
 // Errors of the model in one window. Those of a free simulation are less their
 // mean or, for outputs that integrate, less their line.
-Eigen::MatrixXd PartOf(const Eigen::MatrixXd& errors, const StretchPart& window,
+Eigen::MatrixXd PartOf(const Eigen::MatrixXd& errors, const SegmentPart& window,
                        int horizon, const std::vector<bool>& integrating) {
   Eigen::MatrixXd part = errors.middleCols(window.first, window.samples);
   if (horizon > 0) return part;
@@ -169,21 +169,21 @@ Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
                  const std::array<int, 3>& horizons,
                  const std::vector<bool>& integrating) {
   const int p = windows.front().num_outputs();
-  const Stretches stretches = JoinAdjoining(windows);
+  const Segments segments = JoinAdjoining(windows);
   Scores scores(windows.size(), std::vector<std::array<Sums, 3>>(p));
   for (std::size_t h = 0; h < horizons.size(); ++h) {
     std::vector<Eigen::MatrixXd> initial;
     std::vector<Eigen::MatrixXd> corrected;
-    for (const Record& record : stretches.records) {
+    for (const Record& record : segments.records) {
       initial.push_back(before(record, horizons[h]));
       corrected.push_back(after(record, horizons[h]));
     }
     for (std::size_t w = 0; w < windows.size(); ++w) {
-      const StretchPart& part = stretches.windows[w];
+      const SegmentPart& part = segments.windows[w];
       const Eigen::MatrixXd one =
-          PartOf(initial[part.stretch], part, horizons[h], integrating);
+          PartOf(initial[part.segment], part, horizons[h], integrating);
       const Eigen::MatrixXd other =
-          PartOf(corrected[part.stretch], part, horizons[h], integrating);
+          PartOf(corrected[part.segment], part, horizons[h], integrating);
       for (int i = 0; i < p; ++i) {
         scores[w][i][h] = Compare(windows[w].outputs.row(i).tail(part.samples),
                                   fold.held[w], one.row(i), other.row(i));

@@ -8,7 +8,7 @@
 #include "Eigen/Core"
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
-#include "mle/maintain/stretch_information.h"
+#include "mle/maintain/segment_information.h"
 #include "mle/maintain/whole_windows.h"
 
 namespace mle {
@@ -98,31 +98,31 @@ absl::Status KeepInformativeWindows(const ProcessModel& model, int most_samples,
     return absl::OkStatus();
   }
   const int length = std::max(most_samples / kPartsOfBudget,
-                              ShortestStretch(model, data.sample_time()));
+                              ShortestSegment(model, data.sample_time()));
   std::vector<SetPointWindow> windows =
       Divided(std::move(data.windows), length);
-  std::vector<StretchInformation> stretches;  // of the runs
+  std::vector<SegmentInformation> segments;  // of the runs
   const std::vector<Run> runs = RunsOf(windows, length);
   for (const Run& run : runs) {
-    StretchInformation& stretch = stretches.emplace_back();
+    SegmentInformation& segment = segments.emplace_back();
     for (std::size_t w = run.first; w < run.end; ++w) {
-      MLE_ASSIGN_OR_RETURN(const StretchInformation of,
+      MLE_ASSIGN_OR_RETURN(const SegmentInformation of,
                            InformationIn(windows[w].record, model));
-      if (w == run.first) stretch.information.setZero(of.information.size());
-      stretch.information += of.information;
-      stretch.samples += of.samples;
+      if (w == run.first) segment.information.setZero(of.information.size());
+      segment.information += of.information;
+      segment.samples += of.samples;
     }
   }
-  VectorXd all = VectorXd::Zero(stretches[0].information.size());
-  for (const StretchInformation& stretch : stretches) {
-    all += stretch.information;
+  VectorXd all = VectorXd::Zero(segments[0].information.size());
+  for (const SegmentInformation& segment : segments) {
+    all += segment.information;
   }
-  const std::vector<bool> taken = ChooseStretches(stretches, all, most_samples);
+  const std::vector<bool> taken = ChooseSegments(segments, all, most_samples);
   const int samples = SamplesOf(windows);
   VectorXd used = VectorXd::Zero(all.size());
   data.windows.clear();
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    if (taken[r]) used += stretches[r].information;
+    if (taken[r]) used += segments[r].information;
     for (std::size_t w = runs[r].first; w < runs[r].end; ++w) {
       if (taken[r]) {
         data.windows.push_back(std::move(windows[w]));

@@ -4,7 +4,7 @@
 // other without a gap are taken together, a tenth of the samples and four
 // settling times at least: what the inputs did before it is unknown of each
 // piece. Of these those are taken that are expected to inform most
-// (stretch_information.h).
+// (segment_information.h).
 //
 // Operations: N samples times the elements, and W² times the elements for W
 // windows.

@@ -1,5 +1,7 @@
 #include "mle/maintain/message.h"
 
+#include <algorithm>
+
 namespace mle {
 
 std::string_view NameOf(MessageCode code) {
@@ -90,6 +92,28 @@ std::string_view NameOf(MessageCode code) {
       return "not_excited";
   }
   return "";
+}
+
+std::string_view NameOf(Consequence consequence) {
+  switch (consequence) {
+    case Consequence::kNote:
+      return "note";
+    case Consequence::kRepair:
+      return "repair";
+    case Consequence::kDoubts:
+      return "doubts";
+    case Consequence::kBlocks:
+      return "blocks";
+  }
+  return "";
+}
+
+const Finding* FirstBlocking(const std::vector<Finding>& findings) {
+  const auto found = std::find_if(
+      findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.consequence == Consequence::kBlocks;
+      });
+  return found == findings.end() ? nullptr : &*found;
 }
 
 }  // namespace mle

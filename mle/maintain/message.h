@@ -1,15 +1,17 @@
-// Messages about a run for its caller, as data: the subject (code), the place
-// (an output, a pair, a window, a file), the text, and the options that would
-// change it. A command prints the options as its own flags.
+// What a run says to its caller.
+//
+// Messages are data: the subject (code), the place (an output, a pair, a
+// window, a file), the text, and the options that would change it. A command
+// prints the options as its own flags. Findings are messages about records.
+// Progress is passed to a callback, which may end the run.
 
 #ifndef MLE_MAINTAIN_MESSAGE_H_
 #define MLE_MAINTAIN_MESSAGE_H_
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "mle/base/option_error.h"
 
 namespace mle {
 
@@ -72,6 +74,42 @@ struct Message {
   std::string text;                  // a whole sentence
   std::vector<std::string> options;  // names of fields that would change it
 };
+
+enum class Consequence {
+  kNote,    // of none
+  kRepair,  // the samples concerned are marked as bad, or replaced
+  kDoubts,  // nothing can be said of some outputs
+  kBlocks,  // nothing can be said of the plant from these records
+};
+
+// "note", "repair", "doubts", "blocks".
+std::string_view NameOf(Consequence consequence);
+
+struct Finding {
+  Message message;  // place: the tag, or empty
+  Consequence consequence = Consequence::kNote;
+  // Times of the first and the last sample concerned.
+  double from = 0.0;
+  double to = 0.0;
+  // The size of the finding: a share, a factor, a time, a width, a number of
+  // samples.
+  double value = 0.0;
+  // kDoubts: of which nothing can be said.
+  std::vector<int> outputs;
+};
+
+// Null if none blocks.
+const Finding* FirstBlocking(const std::vector<Finding>& findings);
+
+struct RunProgress {
+  std::string stage;      // "fitting 4 windows"
+  double fraction = 0.0;  // of the stage, in [0, 1]
+};
+
+// Called at the begin of each stage (fraction 0) and, where it has several
+// parts, after each of them; one call at a time, on any thread. False ends the
+// run with absl::CancelledError. May be empty.
+using ProgressCallback = std::function<bool(const RunProgress& progress)>;
 
 }  // namespace mle
 

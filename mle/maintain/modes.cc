@@ -14,6 +14,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/record_columns.h"
 
 namespace mle {
 namespace {
@@ -144,9 +145,9 @@ struct Found {
   double by_controller = 0.0;
 };
 
-absl::StatusOr<Found> AddStretches(const std::vector<Record>& modes, int tag,
-                                   const Place& place,
-                                   std::vector<ByHand>& stretches) {
+absl::StatusOr<Found> AddByHand(const std::vector<Record>& modes, int tag,
+                                const Place& place,
+                                std::vector<ByHand>& segments) {
   Found found;
   for (const Record& record : modes) {
     bool goes_on = false;
@@ -160,10 +161,10 @@ absl::StatusOr<Found> AddStretches(const std::vector<Record>& modes, int tag,
       (by_hand ? found.by_hand : found.by_controller) +=
           by_hand || by_controller ? record.sample_time : 0.0;
       if (by_hand && !goes_on) {
-        stretches.push_back(
+        segments.push_back(
             {record.time(k), record.time(k), place.input, place.output});
       }
-      if (by_hand) stretches.back().to = record.time(k);
+      if (by_hand) segments.back().to = record.time(k);
       goes_on = by_hand;
     }
   }
@@ -226,7 +227,7 @@ absl::StatusOr<Modes> ReadModes(const ImportOf& import,
     all += record.samples() * record.sample_time;
   }
   for (std::size_t t = 0; t < tags.size(); ++t) {
-    const absl::StatusOr<Found> found = AddStretches(
+    const absl::StatusOr<Found> found = AddByHand(
         imported->records, static_cast<int>(t), places[t], modes.by_hand);
     if (!found.ok()) {
       return OptionError("mode_tag",

@@ -15,7 +15,6 @@
 #ifndef MLE_MAINTAIN_MODES_H_
 #define MLE_MAINTAIN_MODES_H_
 
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,19 +27,10 @@
 
 namespace mle {
 
-struct ModeTag {
-  std::string tag;      // name of the column
-  std::string channel;  // an input or output; empty: the whole controller
-};
-
 struct Modes {
   std::vector<ByHand> by_hand;
   std::vector<Message> notes;  // one for each tag
 };
-
-// Records of these channels, from wherever those of a model come.
-using ImportOf = std::function<absl::StatusOr<HistorianImport>(
-    const ProcessModel&, const HistorianOptions&)>;
 
 // The number that a word of ReadModes() stands for where samples are numbers.
 // InvalidArgument for another word.

@@ -7,8 +7,9 @@
 #include "mle/base/parallel.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/maintain/stage.h"
 #include "mle/model/process_simulator.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -54,7 +55,7 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
       kCalibrationStream + static_cast<std::uint64_t>(replicate);
   GaussianNoise white(seed, stream, kMeasurementNoise);
   GaussianNoise walk(seed, stream, kDriftDisturbance);
-  GaussianNoise colour(seed, stream, kColouredDisturbance);
+  GaussianNoise ar(seed, stream, kColouredDisturbance);
   std::vector<Record> drawn = windows;
   for (std::size_t w = 0; w < drawn.size(); ++w) {
     Record& record = drawn[w];
@@ -62,11 +63,10 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
       const double deviation = std::sqrt(noise[i].variance);
       const double step = std::sqrt(noise[i].increment_variance());
       double level = 0.0;
-      ColourSignal coloured(
-          Colour(noise[i].colour_pole, noise[i].colour_damping),
-          noise[i].colour_ratio * noise[i].variance, colour);
-      const Eigen::RowVectorXd periodic = DrawLines(
-          noise[i].lines, record.sample_time, record.samples(), colour);
+      ArSignal coloured(ArComponent(noise[i].ar_pole, noise[i].ar_damping),
+                        noise[i].ar_ratio * noise[i].variance, ar);
+      const Eigen::RowVectorXd periodic =
+          DrawLines(noise[i].lines, record.sample_time, record.samples(), ar);
       for (int k = 0; k < record.samples(); ++k) {
         const double value =
             responses[w](i, k) + level + coloured.value() + periodic(k) +

@@ -16,33 +16,16 @@
 #ifndef MLE_MAINTAIN_NO_CHANGE_TEST_H_
 #define MLE_MAINTAIN_NO_CHANGE_TEST_H_
 
-#include <cstdint>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
-#include "mle/maintain/progress.h"
+#include "mle/maintain/estimation.h"
+#include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
-
-struct NullCalibration {
-  int replicates = 0;   // simulated; 0 where χ² leaves no doubt
-  double factor = 1.0;  // c ≥ 1
-  double p_value = 1.0;
-};
-
-struct NullCalibrationOptions {
-  // ≥ 1; of a plant with more than 12 degrees of freedom fewer, at least 3, so
-  // that the mean is of as many degrees.
-  int replicates = 12;
-  double doubt = 4.0;  // c up to it is thought possible, ≥ 1
-  std::uint64_t seed = 1;
-
-  absl::Status Validate() const;
-};
 
 // `test` is what CorrectByOutputError() said of `windows` with `options`. The
 // result does not depend on options.threads.

@@ -25,8 +25,8 @@ constexpr std::array<int, 3> kBlocks = {20, 5, 1};
 constexpr double kLeastBlocks = 100.0;
 // Samples of the responses of all elements to all inputs that are simulated.
 constexpr double kMostResponses = 1e9;
-constexpr double kLeastMistakeNats = 10.0;
-constexpr double kCompleteNats = 6.0;
+constexpr double kLeastMistakeRatio = 10.0;
+constexpr double kCompleteRatio = 6.0;
 constexpr double kSameFactor = 0.1;
 // The model must explain more than this share of what outputs do, on average,
 // with the tags swapped back.
@@ -107,8 +107,8 @@ class MistakeSearch {
   bool Follows(const Hypothesis& hypothesis,
                const std::vector<HypotheticalRow>& rows) const;
   double ShareOf(int output, int measured, const Series& responses) const;
-  // By how many nats the hypothesis explains its rows better than the model as
-  // it is, the least of all lengths of blocks; nothing if it is not proved.
+  // The log-likelihood ratio of the hypothesis to the model as it is, on its
+  // rows, the least of all lengths of blocks; nothing if it is not proved.
   std::optional<double> Judge(const Hypothesis& hypothesis,
                               const std::vector<HypotheticalRow>& rows) const;
   // The best of the candidates; of equals the first.
@@ -347,7 +347,7 @@ absl::StatusOr<bool> MistakeSearch::BeatsAgeing(
                     BlockMeans(responses_->Row(row.output), fit.block));
     }
     if (!(better > 0.0)) return false;
-    proved = proved || better > kLeastMistakeNats;
+    proved = proved || better > kLeastMistakeRatio;
   }
   return proved;
 }
@@ -405,7 +405,7 @@ std::optional<double> MistakeSearch::Judge(
     least = std::min(least, better);
     if (!(least > 0.0)) return std::nullopt;
     if (hypothesis.complete && fit.block == 1 &&
-        better < fit.free_gains - kCompleteNats) {
+        better < fit.free_gains - kCompleteRatio) {
       return std::nullopt;
     }
     double without = 0.0;
@@ -414,22 +414,23 @@ std::optional<double> MistakeSearch::Judge(
                  fit.fixed(row.output);
     }
     const double rival = std::max(other_times ? fit.free_gains : 0.0, without);
-    proved = proved || better > rival + kLeastMistakeNats;
+    proved = proved || better > rival + kLeastMistakeRatio;
   }
   if (!proved) return std::nullopt;
   return least;
 }
 
 absl::Status MistakeSearch::JudgeAll() {
-  std::vector<absl::StatusOr<std::optional<double>>> nats(candidates_.size());
+  std::vector<absl::StatusOr<std::optional<double>>> ratios(candidates_.size());
   ParallelFor(static_cast<int>(candidates_.size()), threads_, [&](int c) {
     const auto rows = candidates_[c].rows();
-    nats[c] = rows.ok() ? Judge(candidates_[c].hypothesis, *rows)
-                        : absl::StatusOr<std::optional<double>>(rows.status());
+    ratios[c] = rows.ok()
+                    ? Judge(candidates_[c].hypothesis, *rows)
+                    : absl::StatusOr<std::optional<double>>(rows.status());
   });
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     const OperatorMistake& mistake = candidates_[c].hypothesis.mistake;
-    MLE_ASSIGN_OR_RETURN(const std::optional<double> better, nats[c]);
+    MLE_ASSIGN_OR_RETURN(const std::optional<double> better, ratios[c]);
     if (!better.has_value() ||
         (best_.has_value() && best_->log_likelihood >= *better)) {
       continue;

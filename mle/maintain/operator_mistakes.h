@@ -10,10 +10,10 @@
 // the records determine agree, of four or more one in four excepted, which may
 // have aged besides.
 //
-//   each       10 nats better than as recorded and than no response, in one of
+//   each       by 10 better than as recorded and than no response, in one of
 //              the three comparisons, and worse in none; and the model,
 //              simulated without the mistake, follows the outputs better
-//   exchange   10 nats better with few gains free on both sides, too: elements
+//   exchange   by 10 better with few gains free on both sides, too: elements
 //              may have aged; the simulation explains a quarter of what the
 //              outputs do, three fifths where the channels have other units or
 //              roles
@@ -21,7 +21,7 @@
 //              have aged besides
 //   factor     beyond 20: gains that agree to a factor of 2; 1.8, or beyond 4:
 //              gains that agree to 5 and 10 % in all three comparisons
-//   time unit  10 nats better than as recorded with free gains
+//   time unit  by 10 better than as recorded with free gains
 //
 // Where a row or column has one element only, nothing distinguishes a mistake
 // from ageing but the number: 60, 100, 1000 and their inverses, to 2 %, and a
@@ -48,7 +48,7 @@ struct OperatorMistake {
   std::vector<int> channels;  // the two exchanged; none for kTimeUnit
   // kFactor: gains of the records over those of the model; kTimeUnit: of times.
   double factor = 1.0;
-  // Better than the model as it is, in nats; the least of the comparisons.
+  // Log-likelihood ratio to the model as it is; the least of the comparisons.
   double log_likelihood = 0.0;
   // One element alone tells: it may as well have aged.
   bool ambiguous = false;

@@ -13,6 +13,7 @@
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
 #include "mle/maintain/select_output.h"
+#include "mle/maintain/stage.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 

@@ -9,7 +9,7 @@
 #define MLE_MAINTAIN_OUTLIER_SEARCH_H_
 
 #include "absl/status/status.h"
-#include "mle/maintain/progress.h"
+#include "mle/maintain/message.h"
 #include "mle/maintain/records.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/output_error_correction.h"

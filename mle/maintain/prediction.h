@@ -16,14 +16,11 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/maintain/estimation.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
-
-// Errors of a model on a record whose inputs are all known.
-using Predictor =
-    std::function<Eigen::MatrixXd(const Record& record, int horizon)>;
 
 // The response of a model to the inputs of a record (p × samples), settled at
 // the first inputs.

@@ -1,5 +1,5 @@
-// Keeps, of records that are read, the stretches that are expected to say most
-// about a model (stretch_information.h), so that records of any length can be
+// Keeps, of records that are read, the segments that are expected to say most
+// about a model (segment_information.h), so that records of any length can be
 // read.
 //
 //   RecordScan scan(model, 200'000);
@@ -8,13 +8,13 @@
 //       ImportHistorianSources(sources, model, HistorianOptions(), &scan));
 //   scan.Notes();  // how many were kept, and what the others would have added
 //
-// Records are divided into stretches of four settling times or a hundredth of
-// what is kept, whichever is longer. A stretch that is kept brings one and a
+// Records are divided into segments of four settling times or a hundredth of
+// what is kept, whichever is longer. A segment that is kept brings one and a
 // half settling times on both sides with it, so that a change of a set point
 // near its end has the window that it needs. When twice as many samples are
 // held as are to be kept, those are chosen that inform most, and of what has
 // been left only the sum of its information remains: what is kept at the end
-// need not be what would be chosen from all at once, but of two stretches that
+// need not be what would be chosen from all at once, but of two segments that
 // say the same of the same elements the shorter one stays.
 //
 // Memory: twice the samples kept, and those at their sides, whatever is read.
@@ -31,48 +31,48 @@
 #include "mle/data/record.h"
 #include "mle/data/record_sink.h"
 #include "mle/maintain/message.h"
-#include "mle/maintain/stretch_information.h"
+#include "mle/maintain/segment_information.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
 
 class RecordScan final : public RecordSink {
  public:
-  // Keeps `most_samples` > 0, or one stretch where that is longer, and what
+  // Keeps `most_samples` > 0, or one segment where that is longer, and what
   // belongs to its sides. `model` must outlive it.
   RecordScan(const ProcessModel& model, int most_samples)
       : model_(model), most_samples_(most_samples) {}
 
   int PieceSamples(double sample_time) const override;
   absl::Status Take(Record piece, bool continues) override;
-  // Stretches that follow each other without a gap are one record again.
+  // Segments that follow each other without a gap are one record again.
   std::vector<Record> Finish() override;
 
   // After Finish(). Empty where everything was kept.
   std::vector<Message> Notes() const;
 
  private:
-  struct Stretch {
+  struct Segment {
     Record record;
     Record before;  // at its sides; perhaps empty
     Record after;
-    std::int64_t number = 0;  // of the stretches read
+    std::int64_t number = 0;  // of the segments read
     bool continues = false;   // the one before it
   };
 
   void Keep();
-  int Side(const Record& stretch) const;
+  int Side(const Record& segment) const;
 
   const ProcessModel& model_;
   const int most_samples_;
-  std::int64_t stretches_read_ = 0;
+  std::int64_t segments_read_ = 0;
   std::int64_t samples_read_ = 0;
-  std::int64_t samples_ = 0;  // of the stretches held
-  std::int64_t stretches_kept_ = 0;
+  std::int64_t samples_ = 0;  // of the segments held
+  std::int64_t segments_kept_ = 0;
   std::int64_t samples_kept_ = 0;
-  Record last_;  // the end of the last stretch, perhaps needed by the next
-  std::vector<Stretch> stretches_;
-  std::vector<StretchInformation> information_;  // of these
+  Record last_;  // the end of the last segment, perhaps needed by the next
+  std::vector<Segment> segments_;
+  std::vector<SegmentInformation> information_;  // of these
   Eigen::VectorXd all_;                          // of everything read
   Eigen::VectorXd used_;                         // of what is kept
 };

@@ -9,9 +9,13 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/linearise.h"
+#include "mle/data/record_columns.h"
 #include "mle/maintain/dates.h"
+#include "mle/maintain/examine_records.h"
+#include "mle/maintain/modes.h"
 #include "mle/maintain/record_scan.h"
 #include "mle/maintain/used_windows.h"
 #include "mle/maintain/whole_windows.h"
@@ -125,23 +129,25 @@ void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
   }
 }
 
-// Beyond what a controller makes of noise: it moves inputs in quiet parts too.
-constexpr double kLargeUnrest = 3.0;  // of the noise's standard deviation
+// Beyond what a controller makes of noise: it moves inputs in steady operation
+// too.
+constexpr double kLargeDeviation = 3.0;  // of the noise's standard deviation
 
-bool IsLarge(const QuietPart& part) {
-  return std::abs(part.size) > kLargeUnrest * part.noise;
+bool IsLarge(const SteadyOperation& part) {
+  return std::abs(part.size) > kLargeDeviation * part.noise;
 }
 
-void WarnOfUnrest(const ProcessModel& model, RecordData& data) {
+void WarnOfNonStationary(const ProcessModel& model, RecordData& data) {
   for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    const std::vector<std::string> unrest = UnrestIn(data.windows[w], model);
-    if (unrest.empty()) continue;
+    const std::vector<std::string> non_stationary =
+        NonStationaryIn(data.windows[w], model);
+    if (non_stationary.empty()) continue;
     const std::string name = absl::StrCat("Window ", w + 1);
     data.warnings.push_back(
         {MessageCode::kWindowNotAtRest,
          name,
          absl::StrCat(name, " is not at rest where it should be: ",
-                      absl::StrJoin(unrest, ", "),
+                      absl::StrJoin(non_stationary, ", "),
                       ". An unmeasured disturbance widens the intervals."),
          {}});
   }
@@ -193,7 +199,7 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
   MLE_RETURN_IF_ERROR(ExamineFiles(model, options.examination, data));
   MarkUnhealthy(model, options.mark, data);
   MLE_RETURN_IF_ERROR(FindUsedWindows(model, options, data));
-  WarnOfUnrest(model, data);
+  WarnOfNonStationary(model, data);
   return absl::OkStatus();
 }
 
@@ -248,22 +254,30 @@ double EndOf(const SetPointWindow& window) {
   return window.record.time(window.record.samples() - 1);
 }
 
-std::vector<std::string> UnrestIn(const SetPointWindow& window,
-                                  const ProcessModel& model) {
-  std::vector<std::string> unrest;
+std::vector<std::string> NonStationaryIn(const SetPointWindow& window,
+                                         const ProcessModel& model) {
+  std::vector<std::string> non_stationary;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (const auto* parts : {&window.before, &window.after}) {
       if (i >= static_cast<int>(parts->size())) continue;
-      const QuietPart& part = (*parts)[i];
-      const bool drifts = part.verdict == QuietPart::Verdict::kDrifting;
-      const bool steps = part.verdict == QuietPart::Verdict::kDisturbed;
+      const SteadyOperation& part = (*parts)[i];
+      const bool drifts = part.verdict == SteadyOperation::Verdict::kDrifting;
+      const bool steps = part.verdict == SteadyOperation::Verdict::kDisturbed;
       if (!IsLarge(part) || (!drifts && !steps)) continue;
-      unrest.push_back(absl::StrCat(
+      non_stationary.push_back(absl::StrCat(
           model.outputs()[i].name, drifts ? " drifts" : " steps",
           parts == &window.before ? " before the change" : " at the end"));
     }
   }
-  return unrest;
+  return non_stationary;
+}
+
+absl::Status ExamineOptions::Validate() const {
+  if (threads < 0) {
+    return OptionError("threads", absl::StrCat("threads = ", threads,
+                                               ": it must not be negative"));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status RecordOptions::Validate() const {

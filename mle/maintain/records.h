@@ -16,15 +16,30 @@
 #include "absl/status/statusor.h"
 #include "mle/data/channel_health.h"
 #include "mle/data/historian.h"
+#include "mle/data/import_options.h"
 #include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
-#include "mle/maintain/examine_records.h"
+#include "mle/data/time_names.h"
 #include "mle/maintain/message.h"
-#include "mle/maintain/modes.h"
-#include "mle/maintain/progress.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
+
+// Of the examination for faults, before anything else (examine_records.h).
+struct ExamineOptions {
+  // Whether samples are marked and replaced; if not, what could be repaired
+  // stays as it is.
+  bool repair = true;
+  // How messages write times; without a unit, in the model's.
+  TimeNames times = {};
+  // The columns of channels, for messages that say how a mapping is corrected.
+  std::vector<TagMapping> tags = {};
+
+  // At least 0; 0 takes one for each processor. Findings do not depend on it.
+  int threads = 0;
+
+  absl::Status Validate() const;
+};
 
 struct RecordOptions {
   // Tags that say when a loop or the controller was in use (modes.h); of files
@@ -45,7 +60,7 @@ struct RecordOptions {
   // are expected to inform most (informative_windows.h); 0: all.
   int most_samples = 20'000;
   // Samples of files and databases that are held in memory, ≥ 0: of longer
-  // records those stretches that are expected to inform most (record_scan.h);
+  // records those segments that are expected to inform most (record_scan.h);
   // 0: all.
   int most_samples_in_memory = 0;
   // Samples to be taken as bad: frozen segments and single samples far from
@@ -103,9 +118,9 @@ struct RecordData {
 double BeginOf(const SetPointWindow& window);
 double EndOf(const SetPointWindow& window);
 
-// Outputs that are not at rest before the change or at the end, in words.
-std::vector<std::string> UnrestIn(const SetPointWindow& window,
-                                  const ProcessModel& model);
+// Outputs that are not stationary before the change or at the end, in words.
+std::vector<std::string> NonStationaryIn(const SetPointWindow& window,
+                                         const ProcessModel& model);
 
 // Records in memory: of the model's channels, not empty, all with one sample
 // time. Windows are whole in their inputs: one with a gap there is cut to its

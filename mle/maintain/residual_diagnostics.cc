@@ -1,11 +1,10 @@
-#include "mle/maintain/residual_diagnostics.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "mle/base/parallel.h"
+#include "mle/maintain/validation.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/elimination.h"
 

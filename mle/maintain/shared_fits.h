@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/correction/correction.h"
-#include "mle/maintain/no_change_test.h"
+#include "mle/maintain/estimation.h"
 #include "mle/nonlinear/model_adequacy.h"
 #include "mle/nonlinear/output_error_correction.h"
 

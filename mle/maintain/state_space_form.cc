@@ -1,5 +1,3 @@
-#include "mle/maintain/state_space_form.h"
-
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -7,6 +5,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/strip.h"
+#include "mle/maintain/corrected_model.h"
 #include "mle/model/balanced_reduction.h"
 #include "mle/model/response_difference.h"
 

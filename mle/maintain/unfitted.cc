@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "absl/status/statusor.h"
+#include "mle/maintain/channel_scales.h"
 #include "mle/model/element_response.h"
 
 namespace mle {
@@ -44,7 +45,7 @@ OutputErrorCorrection UnfittedStructure(const ProcessModel& initial) {
   none.full.noise.assign(p, {.offset = false});
   none.full.certificates.resize(p);
   none.full.offset_weight = 0.0;
-  none.full.spared_samples.assign(p, 0);
+  none.full.down_weighted_samples.assign(p, 0);
   none.full.deviances.assign(p, 0.0);
   none.corrected = none.full;
   none.element_p_values.setOnes(p, m);

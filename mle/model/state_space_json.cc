@@ -11,6 +11,7 @@
 #include "mle/model/json_matrix.h"
 #include "mle/model/json_node.h"
 #include "mle/model/json_text.h"
+#include "mle/model/process_model.h"
 #include "mle/model/strict_json.h"
 #include "mle/model/unreached_states.h"
 

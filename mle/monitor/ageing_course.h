@@ -46,7 +46,6 @@
 #include <vector>
 
 #include "mle/monitor/change_evidence.h"
-#include "mle/monitor/watch_options.h"
 
 namespace mle {
 
@@ -65,11 +64,11 @@ struct CoursePoint {
 struct AgeingCourse {
   enum class State {
     kTooShort,       // fewer than 5 batches, or of less than 30 days
-    kTrend,          // told: see `rate`
-    kSteady,         // told: nothing changes by more than what is small
-    kWhichElement,   // not told: of which element and parameter
-    kWhetherAtAll,   // not told: intervals are too wide
-    kNoSingleChange  // not told: no course explains the scores
+    kTrend,          // estimated: see `rate`
+    kSteady,         // estimated: nothing changes by more than what is small
+    kWhichElement,   // unavailable: of which element and parameter
+    kWhetherAtAll,   // unavailable: intervals are too wide
+    kNoSingleChange  // unavailable: no course explains the scores
   };
   State state = State::kTooShort;
   // The most probable parameter.

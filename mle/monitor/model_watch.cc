@@ -57,7 +57,7 @@ void Mask(const std::vector<bool>& around, bool wanted, int first,
 }
 
 // For each sample: how many segments that are `around` begin up to it.
-std::vector<int> NumberStretches(const std::vector<bool>& around) {
+std::vector<int> NumberSegments(const std::vector<bool>& around) {
   std::vector<int> numbers(around.size(), 0);
   int number = 0;
   for (std::size_t k = 0; k < around.size(); ++k) {
@@ -432,7 +432,7 @@ absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
                        ExamineRecords(model_, {}, records));
   Record& record = records.front();
   Mask(around, /*wanted=*/true, batch.first, record);
-  const std::vector<int> changes = NumberStretches(around);
+  const std::vector<int> changes = NumberSegments(around);
   if (const Finding* blocking = FirstBlocking(findings); blocking != nullptr) {
     reason = blocking->message.text;
   }
@@ -477,7 +477,7 @@ absl::StatusOr<std::vector<Eigen::MatrixXd>> ModelWatch::ExpectedInformation(
               around.begin() + change + after_ + 1, true);
   }
   Mask(around, /*wanted=*/true, 0, record);
-  const std::vector<int> changes = NumberStretches(around);
+  const std::vector<int> changes = NumberSegments(around);
   std::vector<Eigen::MatrixXd> informations;
   for (int i = 0; i < model_.num_outputs(); ++i) {
     informations.push_back(

@@ -52,7 +52,6 @@
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
 #include "mle/monitor/change_evidence.h"
-#include "mle/monitor/watch_options.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {

@@ -203,7 +203,7 @@ NoiseEstimate RowResponse::EstimateNoise(
   return mle::EstimateNoise(problem, point_,
                             std::vector<bool>(elements_.size(), false),
                             NoiseEstimate(), /*estimate_drift=*/true,
-                            /*search_colour=*/true);
+                            /*search_ar=*/true);
 }
 
 // The residual and the sensitivities, at the samples that count.

@@ -59,7 +59,7 @@ class RowResponse {
   NoiseEstimate EstimateNoise(const std::vector<Record>& records) const;
   // `groups`: of each sample; empty: all of one. Each group of a run of known
   // inputs has an offset of its own, and free steps where it shows them
-  // (level_steps.h) by innovations of this deviation or more; 0: none are
+  // (step_search.h) by innovations of this deviation or more; 0: none are
   // looked for.
   std::vector<WhitenedRun> Whiten(const Record& record,
                                   const NoiseEstimate& noise,

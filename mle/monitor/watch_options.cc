@@ -1,7 +1,6 @@
-#include "mle/monitor/watch_options.h"
-
 #include "absl/strings/str_cat.h"
 #include "mle/base/option_error.h"
+#include "mle/monitor/change_evidence.h"
 
 namespace mle {
 namespace {

@@ -30,7 +30,7 @@
 //
 //   [S(B) − S(A)] / r < c (|A| − |B|) − 6,   |B| ≤ |A|,
 //
-// c the critical value of one, and 6 being 3 nats.
+// c the critical value of one, and 6 being a log-likelihood ratio of 3.
 //
 // Elements that are certain to have changed belong to every set, and do not
 // leave.

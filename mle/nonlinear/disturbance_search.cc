@@ -77,9 +77,8 @@ bool FitThoseOfStart(const OutputPoint& start, const OutputFitBounds& bounds,
                      OutputErrorProblem& problem, OutputFit& fit) {
   OutputFit at_start = fit;
   at_start.point = start;
-  at_start.noise =
-      EstimateNoise(problem, start, fit.free, NoiseEstimate(),
-                    options.estimate_drift, /*search_colour=*/false);
+  at_start.noise = EstimateNoise(problem, start, fit.free, NoiseEstimate(),
+                                 options.estimate_drift, /*search_ar=*/false);
   const std::optional<Disturbance> found = Find(problem, at_start, options);
   if (!found.has_value()) return false;
   const std::vector<double> lines = problem.lines();

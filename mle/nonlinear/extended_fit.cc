@@ -58,13 +58,13 @@ ShapeLikelihood ExtendedFit::With(const std::vector<MatrixXd>& more) const {
 }
 
 Profile ExtendedFit::Best(const std::vector<MatrixXd>& more,
-                          const NoiseShape& start, bool search_colour) const {
-  return FindBestShape(With(more), start, estimate_drift_, search_colour);
+                          const NoiseShape& start, bool search_ar) const {
+  return FindBestShape(With(more), start, estimate_drift_, search_ar);
 }
 
 const Profile& ExtendedFit::Without() const {
   if (!without_.has_value()) {
-    without_ = Best({}, ShapeOf(fit_.noise), /*search_colour=*/true);
+    without_ = Best({}, ShapeOf(fit_.noise), /*search_ar=*/true);
   }
   return *without_;
 }
@@ -74,7 +74,7 @@ bool ExtendedFit::InputsGain(double gain) const {
   for (int set = 0; set < kInputColumns; ++set) {
     if (!gains_[set].has_value()) {
       const Profile with = Best(InputColumns(set), ShapeOf(fit_.noise),
-                                /*search_colour=*/true);
+                                /*search_ar=*/true);
       gains_[set] = Without().value - with.value -
                     (with.rank - Without().rank) * log_samples;
     }

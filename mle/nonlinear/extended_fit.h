@@ -30,12 +30,12 @@ class ExtendedFit {
 
   // `more`: columns of each segment (rows × k), one coefficient for each.
   ShapeLikelihood With(const std::vector<Eigen::MatrixXd>& more) const;
-  // The likeliest shape with them; `start` and `search_colour` as of
+  // The likeliest shape with them; `start` and `search_ar` as of
   // FindBestShape().
   Profile Best(const std::vector<Eigen::MatrixXd>& more,
-               const NoiseShape& start, bool search_colour) const;
+               const NoiseShape& start, bool search_ar) const;
 
-  // The likeliest shape of any colour without anything besides.
+  // The likeliest shape of any AR component without anything besides.
   const Profile& Without() const;
 
   // Whether −2 ln L falls by `gain` or more, beyond Schwarz's price, where

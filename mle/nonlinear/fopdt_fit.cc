@@ -1,5 +1,3 @@
-#include "mle/nonlinear/fopdt_fit.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_grid.h"
+#include "mle/nonlinear/low_order_fit.h"
 #include "mle/nonlinear/unit_errors.h"
 
 namespace mle {

@@ -116,20 +116,20 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
                                      const VectorXd& weights)
     : gains_(times.size()),
       inverse_roots_(times.size()),
-      smoothing_(shape.coloured() ? 0 : times.size(), 1.0),
+      smoothing_(shape.has_ar() ? 0 : times.size(), 1.0),
       offset_(shape.offset) {
   CHECK_GE(shape.ratio, 0.0);
-  CHECK_GE(shape.colour_ratio, 0.0);
+  CHECK_GE(shape.ar_ratio, 0.0);
   CHECK(shape.offset || shape.ratio == 0.0);
   CHECK(weights.size() == 0 ||
         weights.size() == static_cast<Index>(times.size()));
   if (times.empty()) return;
   // The first sample sets the level.
   if (shape.offset) gains_[0] = 1.0;
-  if (shape.coloured() && shape.colour_damping > 0.0) {
-    SetUpColour<2>(times, shape, weights);
-  } else if (shape.coloured()) {
-    SetUpColour<1>(times, shape, weights);
+  if (shape.has_ar() && shape.ar_damping > 0.0) {
+    SetUpAr<2>(times, shape, weights);
+  } else if (shape.has_ar()) {
+    SetUpAr<1>(times, shape, weights);
   } else if (shape.offset) {
     SetUpWalk(times, shape.ratio, weights);
   } else {
@@ -188,8 +188,8 @@ struct StateCovariance {
 // P becomes T P Tᵀ + Q. Of (a, b) this is Π + F (P − Π) Fᵀ with the stationary
 // Π, whatever the number of samples.
 template <int kOrder>
-void Predict(const Colour::Power& power, double spread, double walk,
-             const Colour::Covariance& stationary, StateCovariance& P) {
+void Predict(const ArComponent::Power& power, double spread, double walk,
+             const ArComponent::Covariance& stationary, StateCovariance& P) {
   const double m = power.own;
   P.ww += walk;
   if constexpr (kOrder == 1) {
@@ -214,19 +214,19 @@ void Predict(const Colour::Power& power, double spread, double walk,
 
 // A diffuse w takes the first sample whole: w = n_0 − a_0 − e_0.
 template <int kOrder>
-void InnovationsFilter::SetUpColour(const std::vector<int>& times,
-                                    const NoiseShape& shape,
-                                    const VectorXd& weights) {
+void InnovationsFilter::SetUpAr(const std::vector<int>& times,
+                                const NoiseShape& shape,
+                                const VectorXd& weights) {
   const std::size_t n = times.size();
-  const Colour colour = shape.colour();
-  spread_ = colour.spread();
-  colour_.resize(n);
+  const ArComponent ar = shape.ar();
+  spread_ = ar.spread();
+  ar_.resize(n);
   white_.resize(n);
-  Colour::Covariance stationary = colour.Stationary();
-  stationary.aa *= shape.colour_ratio;
-  stationary.ab *= shape.colour_ratio;
-  stationary.bb *= shape.colour_ratio;
-  const Colour::Power one = colour.After(1);
+  ArComponent::Covariance stationary = ar.Stationary();
+  stationary.aa *= shape.ar_ratio;
+  stationary.ab *= shape.ar_ratio;
+  stationary.bb *= shape.ar_ratio;
+  const ArComponent::Power one = ar.After(1);
   StateCovariance P = {
       .aa = stationary.aa, .ab = stationary.ab, .bb = stationary.bb};
   LogProduct product;
@@ -237,7 +237,7 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
       white_[k] = white_[k - 1];
       gains_[k] = gains_[k - 1];
       inverse_roots_[k] = inverse_roots_[k - 1];
-      colour_[k] = colour_[k - 1];
+      ar_[k] = ar_[k - 1];
       product.Multiply(total);
       continue;
     }
@@ -268,11 +268,10 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
     }
     if (k + 1 == n) break;
     const int steps = times[k + 1] - times[k];
-    const Colour::Power power = steps == 1 ? one : colour.After(steps);
-    colour_[k] = {
-        .power = power,
-        .gain_a = power.own * gain_a + power.cross * gain_b,
-        .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
+    const ArComponent::Power power = steps == 1 ? one : ar.After(steps);
+    ar_[k] = {.power = power,
+              .gain_a = power.own * gain_a + power.cross * gain_b,
+              .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
     Predict<kOrder>(power, spread_, shape.ratio * steps, stationary, P);
     steady = weights.size() == 0 && k > 0 && steps == 1 && P == former;
   }
@@ -284,7 +283,7 @@ void InnovationsFilter::FilterRows(Index first, Index count, double* rows,
   const FilterSteps steps = {
       .gains = gains_.data() + first,
       .inverse_roots = inverse_roots_.data() + first,
-      .colour = colour_.empty() ? nullptr : &colour_[first].power.own,
+      .ar = ar_.empty() ? nullptr : &ar_[first].power.own,
       .spread = spread_};
   VectorKernels().filter_rows(steps, count, rows, width, width, state.data());
 }
@@ -329,7 +328,7 @@ MatrixXd InnovationsFilter::WhitenedProducts(
   CHECK(ends.empty() || std::ssize(ends) == width);
   const auto samples = static_cast<Index>(gains_.size());
   // For white noise without an offset the state stays zero.
-  const Index num_states = !colour_.empty() ? kStates : (offset_ ? 1 : 0);
+  const Index num_states = !ar_.empty() ? kStates : (offset_ ? 1 : 0);
   MatrixXd products = MatrixXd::Zero(width, width);
   MatrixXd states = MatrixXd::Zero(width, kStates);
   RowMajorMatrix block;
@@ -380,14 +379,14 @@ MatrixXd InnovationsFilter::WhitenedProducts(
 
 // Disturbance smoother: e_k = (ν_k/F_k − Kᵀ_k r_k)/ω_k, backwards with
 // r_{k−1} = (1, 1, 0)ᵀ ω_k e_k + Tᵀ_k r_k (Durbin and Koopman, section 4.5).
-VectorXd InnovationsFilter::ColourlessPart(const VectorXd& disturbance) const {
+VectorXd InnovationsFilter::PartWithoutAr(const VectorXd& disturbance) const {
   VectorXd white = disturbance;
   Apply(white);
   double of_w = 0.0;  // r_k
   double of_a = 0.0;
   double of_b = 0.0;
   for (Index k = white.size() - 1; k >= 0; --k) {
-    const ColourStep& step = colour_[k];
+    const ArStep& step = ar_[k];
     const double smoothed = white(k) * inverse_roots_[k] - gains_[k] * of_w -
                             step.gain_a * of_a - step.gain_b * of_b;
     const double next =
@@ -403,7 +402,7 @@ VectorXd InnovationsFilter::ColourlessPart(const VectorXd& disturbance) const {
 VectorXd InnovationsFilter::WhitePart(const VectorXd& disturbance) const {
   CHECK_EQ(disturbance.size(), static_cast<Index>(gains_.size()));
   if (disturbance.size() == 0) return disturbance;
-  if (!colour_.empty()) return ColourlessPart(disturbance);
+  if (!ar_.empty()) return PartWithoutAr(disturbance);
   if (!offset_) return disturbance;
   VectorXd level(disturbance.size());
   level(0) = disturbance(0);

@@ -4,10 +4,10 @@
 //   n_k = w_k + a_k + e_k,   w_{k+1} = w_k + ξ_k,
 //   Var e = r,   Var ξ = q = ρ r,
 //
-// with a of first or second order and shocks of variance s = σ r (colour.h), by
-// its time-varying Kalman filter. The walk has a diffuse start (nothing is
-// known of w_0, so that the first sample sets it: one free offset); a starts
-// stationary. Without colour, in units of r,
+// with a of first or second order and shocks of variance s = σ r
+// (ar_component.h), by its time-varying Kalman filter. The walk has a diffuse
+// start (nothing is known of w_0, so that the first sample sets it: one free
+// offset); a starts stationary. Without an AR component, in units of r,
 //
 //   ν_k = n_k − ŵ_k,   F_k = P_k + 1,   ŵ_{k+1} = ŵ_k + (P_k/F_k) ν_k,
 //   P_{k+1} = P_k/F_k + ρ,
@@ -31,7 +31,7 @@
 #include <vector>
 
 #include "Eigen/Core"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 
 namespace mle {
 
@@ -39,12 +39,12 @@ struct NoiseShape {
   double ratio = 0.0;  // ρ ≥ 0, finite
   // Without an offset w is zero and ρ is 0: white noise passes unchanged.
   bool offset = true;
-  double colour_ratio = 0.0;    // σ ≥ 0, finite; 0: no coloured component
-  double colour_pole = 0.0;     // φ, a sample, in [0, 1)
-  double colour_damping = 0.0;  // ζ ≥ 0, finite; 0: first order
+  double ar_ratio = 0.0;    // σ ≥ 0, finite; 0: no coloured component
+  double ar_pole = 0.0;     // φ, a sample, in [0, 1)
+  double ar_damping = 0.0;  // ζ ≥ 0, finite; 0: first order
 
-  Colour colour() const { return Colour(colour_pole, colour_damping); }
-  bool coloured() const { return colour_ratio > 0.0; }
+  ArComponent ar() const { return ArComponent(ar_pole, ar_damping); }
+  bool has_ar() const { return ar_ratio > 0.0; }
   bool operator==(const NoiseShape& other) const = default;
 };
 
@@ -54,7 +54,7 @@ using RowMajorMatrix =
 class InnovationsFilter {
  public:
   // `times` are the numbers of the samples present, increasing; between them
-  // the random walk and the colour continue.
+  // the random walk and the AR component continue.
   // `weights`, of each sample, are > 0; empty for ones.
   InnovationsFilter(const std::vector<int>& times, const NoiseShape& shape,
                     const Eigen::VectorXd& weights = {});
@@ -88,7 +88,7 @@ class InnovationsFilter {
                                    const std::vector<Eigen::Index>& ends) const;
 
   // The expected e_k given all of n (as many as samples): n less the smoothed
-  // random walk and colour.
+  // random walk and AR component.
   Eigen::VectorXd WhitePart(const Eigen::VectorXd& disturbance) const;
 
  private:
@@ -96,30 +96,30 @@ class InnovationsFilter {
   void SetUpWalk(const std::vector<int>& times, double ratio,
                  const Eigen::VectorXd& weights);
   template <int kOrder>
-  void SetUpColour(const std::vector<int>& times, const NoiseShape& shape,
-                   const Eigen::VectorXd& weights);
+  void SetUpAr(const std::vector<int>& times, const NoiseShape& shape,
+               const Eigen::VectorXd& weights);
   // Passes `count` rows of `width` numbers, the first that of sample `first`,
   // from `state` (width × 3) on.
   void FilterRows(Eigen::Index first, Eigen::Index count, double* rows,
                   Eigen::Index width, Eigen::MatrixXd& state) const;
-  Eigen::VectorXd ColourlessPart(const Eigen::VectorXd& disturbance) const;
+  Eigen::VectorXd PartWithoutAr(const Eigen::VectorXd& disturbance) const;
 
   std::vector<double> gains_;          // of w: P_k/F_k
   std::vector<double> inverse_roots_;  // 1/√F_k
   // The gain from the error of ŵ_{k+1} before its sample to that of ŵ_k,
   // P_k r/P_{k+1}.
   std::vector<double> smoothing_;
-  // With colour, d samples to the next one: F^d and F^d times the gain.
-  // FilterSteps (kernels) reads it as numbers in turn.
-  struct ColourStep {
-    Colour::Power power;
+  // With an AR component, d samples to the next one: F^d and F^d times the
+  // gain. FilterSteps (kernels) reads it as numbers in turn.
+  struct ArStep {
+    ArComponent::Power power;
     double gain_a = 0.0;
     double gain_b = 0.0;
   };
-  static_assert(sizeof(ColourStep) == 4 * sizeof(double));
-  std::vector<ColourStep> colour_;
+  static_assert(sizeof(ArStep) == 4 * sizeof(double));
+  std::vector<ArStep> ar_;
   double spread_ = 0.0;
-  std::vector<double> white_;  // with colour: 1/ω_k
+  std::vector<double> white_;  // with an AR component: 1/ω_k
   bool offset_ = true;
   double log_determinant_ = 0.0;
 };

@@ -114,10 +114,9 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
   if (problem.num_segments() == 0) return std::nullopt;
   const NoiseShape shape = ShapeOf(fit.noise);
   // A resonance would follow the sine: without it.
-  const bool resonant =
-      shape.colour_damping > 0.0 && shape.colour_damping < 1.0;
+  const bool resonant = shape.ar_damping > 0.0 && shape.ar_damping < 1.0;
   const NoiseShape plain =
-      resonant ? extended.Best({}, NoiseShape(), /*search_colour=*/false).shape
+      resonant ? extended.Best({}, NoiseShape(), /*search_ar=*/false).shape
                : shape;
   const VectorXd residuals =
       problem.Whiten(problem.Linearise(fit.point, plain, {}), plain).residuals;
@@ -133,7 +132,7 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
     // A filter that follows the sine must not hide it.
     const Profile with = extended.Best(OwnLines(problem, frequency),
                                        round == 0 ? NoiseShape() : followed,
-                                       /*search_colour=*/round == 0);
+                                       /*search_ar=*/round == 0);
     gain = PricedValue(problem, extended.Without()) -
            PricedValue(problem, with) - price;
     if (gain < -kHopeless * price) return std::nullopt;

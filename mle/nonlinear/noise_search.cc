@@ -9,7 +9,7 @@
 
 #include "Eigen/QR"
 #include "mle/nonlinear/amplitude_fit.h"
-#include "mle/nonlinear/colour_search.h"
+#include "mle/nonlinear/ar_search.h"
 #include "mle/nonlinear/elimination.h"
 
 namespace mle {
@@ -223,25 +223,25 @@ std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem) {
 
 bool HasParameter(const NoiseShape& shape, int parameter) {
   if (parameter == 0) return shape.ratio > 0.0;
-  return shape.coloured() && (parameter < 3 || shape.colour_damping > 0.0);
+  return shape.has_ar() && (parameter < 3 || shape.ar_damping > 0.0);
 }
 
 NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
   const double factor = std::exp(by);
   NoiseShape moved = shape;
   if (parameter == 0) moved.ratio *= factor;
-  if (parameter == 1) moved.colour_ratio *= factor;
+  if (parameter == 1) moved.ar_ratio *= factor;
   if (parameter == 2) {
-    moved.colour_pole = PoleOf(MemoryOf(shape.colour_pole) * factor);
+    moved.ar_pole = PoleOf(MemoryOf(shape.ar_pole) * factor);
   }
-  if (parameter == 3) moved.colour_damping *= factor;
+  if (parameter == 3) moved.ar_damping *= factor;
   return moved;
 }
 
 namespace {
 
-// The likelihood of ρ without colour: the best that was asked, and what
-// encloses it.
+// The likelihood of ρ without an AR component: the best that was asked, and
+// what encloses it.
 //
 // ρ is placed at z = 2 arsinh(√ρ / s), 0 where noise is white. Samples of an
 // interval L long, of which the columns fitted take up k, tell nothing of drift
@@ -410,8 +410,8 @@ class RatioSearch {
   Point high_;
 };
 
-// Over all ρ, without colour: from `near` downhill or, where that is 0, on a
-// grid.
+// Over all ρ, without an AR component: from `near` downhill or, where that is
+// 0, on a grid.
 Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
   RatioSearch search(likelihood);
   if (near > 0.0) {
@@ -426,20 +426,20 @@ Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
 
 Profile FindBestShape(const ShapeLikelihood& likelihood,
                       const NoiseShape& start, bool estimate_drift,
-                      bool search_colour) {
+                      bool search_ar) {
   if (!estimate_drift) return likelihood.At(NoiseShape());
   Profile best;
-  if (!start.coloured() || search_colour) {
-    best = FindBestRatio(likelihood, start.coloured() ? 0.0 : start.ratio);
+  if (!start.has_ar() || search_ar) {
+    best = FindBestRatio(likelihood, start.has_ar() ? 0.0 : start.ratio);
   }
-  if (!start.coloured() && !search_colour) return best;
+  if (!start.has_ar() && !search_ar) return best;
   const Profile walk = best;
   double least = walk.value;
   for (const int order : {1, 2}) {
-    const bool known = start.coloured() && start.colour().order() == order;
-    if (!known && !search_colour) continue;
-    const Profile coloured = known ? ContinueColour(likelihood, start)
-                                   : FindBestColour(likelihood, order, walk);
+    const bool known = start.has_ar() && start.ar().order() == order;
+    if (!known && !search_ar) continue;
+    const Profile coloured = known ? ContinueAr(likelihood, start)
+                                   : FindBestAr(likelihood, order, walk);
     const double value = PricedValue(likelihood.problem(), coloured);
     if (value < least) {
       least = value;

@@ -49,7 +49,7 @@ struct Profile {
   double variance() const;  // r
 };
 
-// −2 ln L and Schwarz's price of the colour that the shape has.
+// −2 ln L and Schwarz's price of the AR component that the shape has.
 double PricedValue(const OutputErrorProblem& problem, const Profile& profile);
 
 // CᵀC of columns C whitened by a shape, without what the amplitudes explain.
@@ -132,13 +132,13 @@ NoiseEstimate NoiseOf(const ShapeLikelihood& likelihood,
                       const Profile& profile);
 
 // With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
-// colours: from those of `start` if it has them, and, if `search_colour`, of a
-// grid of each order that `start` does not have. A colour found before stays as
-// it is where that is as good as the best to a hundredth of −2 ln L, and is
-// given up only if `search_colour`.
+// AR components: from those of `start` if it has them, and, if `search_ar`, of
+// a grid of each order that `start` does not have. An AR component found before
+// stays as it is where that is as good as the best to a hundredth of −2 ln L,
+// and is given up only if `search_ar`.
 Profile FindBestShape(const ShapeLikelihood& likelihood,
                       const NoiseShape& start, bool estimate_drift,
-                      bool search_colour);
+                      bool search_ar);
 
 }  // namespace mle
 

@@ -29,8 +29,8 @@ constexpr double kSmallOffsetWeight = 1e-3;
 // The power that the test of no change has for a change that is said to be
 // detectable, at half the probability of a false alarm (of two tests).
 constexpr double kPower = 0.9;
-// A sample of less weight is said to be spared by a robust loss.
-constexpr double kSpared = 0.5;
+// A sample of less weight counts as down-weighted by a robust loss.
+constexpr double kDownWeighted = 0.5;
 
 // Of the weights, without that of stamps.
 VectorXd RobustPart(const OutputErrorProblem& problem) {
@@ -78,8 +78,8 @@ OutputFit Report(const OutputSetup& setup,
   fit.noise[i].stamp_deviation = setup.problem->stamp_deviation();
   fit.certificates[i] = average.certificate;
   fit.deviances[i] = average.deviance;
-  fit.spared_samples[i] =
-      static_cast<int>((RobustPart(*setup.problem).array() < kSpared).count());
+  fit.down_weighted_samples[i] = static_cast<int>(
+      (RobustPart(*setup.problem).array() < kDownWeighted).count());
   return average;
 }
 
@@ -92,7 +92,7 @@ OutputErrorFit EmptyFit(const ProcessModel& model) {
   fit.noise.resize(p);
   fit.certificates.resize(p);
   fit.deviances.resize(p);
-  fit.spared_samples.resize(p);
+  fit.down_weighted_samples.resize(p);
   return fit;
 }
 

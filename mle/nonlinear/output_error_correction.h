@@ -104,9 +104,9 @@ struct OutputErrorOptions {
   std::shared_ptr<const std::vector<Record>> at_rest = nullptr;
   // A correction of the same model by records of which these are a part, or
   // null. Fits then begin at the values and the noise of its `full`, and no
-  // colour, line or step is sought besides those that it has; the change is
-  // given, and not tested, nor are elements that have aged in it, and by Wald's
-  // test in the part, with p < kBeyondDoubt.
+  // AR component, line or step is sought besides those that it has; the change
+  // is given, and not tested, nor are elements that have aged in it, and by
+  // Wald's test in the part, with p < kBeyondDoubt.
   std::shared_ptr<const OutputErrorCorrection> start = nullptr;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;
@@ -151,9 +151,9 @@ struct NoiseEstimate {
   // Each window has an offset of its own. If not, records are deviations from
   // the model's operating point, and free of drift.
   bool offset = true;
-  double colour_ratio = 0.0;    // s/r; 0: no coloured component
-  double colour_pole = 0.0;     // φ, of one sample
-  double colour_damping = 0.0;  // ζ; 0: of first order
+  double ar_ratio = 0.0;    // s/r; 0: no coloured component
+  double ar_pole = 0.0;     // φ, of one sample
+  double ar_damping = 0.0;  // ζ; 0: of first order
   // Standard deviations of ln(q/r), ln(s/r), ln(1/ω) and ln ζ; 0 of what is 0
   // or given.
   std::array<double, 4> log_deviations = {};
@@ -168,8 +168,8 @@ struct NoiseEstimate {
   double stamp_deviation = 0.0;
 
   double increment_variance() const { return ratio * variance; }  // q
-  double colour_variance() const;  // of the coloured component, stationary
-  double colour_memory() const;    // 1/ω, in samples; 0 without colour
+  double ar_variance() const;  // of the coloured component, stationary
+  double ar_memory() const;    // 1/ω, in samples; 0 without an AR component
 };
 
 enum class FitTermination { kNotRun, kConverged, kIterationLimit, kFailed };
@@ -239,7 +239,7 @@ struct OutputErrorFit {
   // deviances are those of its heavier part.
   double offset_weight = 1.0;
   // p: samples whose weight in a robust loss is below 0.5.
-  std::vector<int> spared_samples;
+  std::vector<int> down_weighted_samples;
   std::vector<double> deviances;  // p: −2 ln likelihood + const
 
   const ElementEstimate& element(int output, int input) const {

@@ -4,7 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/model/element_response.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
@@ -46,13 +46,13 @@ std::string Describe(const ParameterEstimate& estimate) {
                          estimate.lower, estimate.upper);
 }
 
-void AppendColour(const NoiseEstimate& noise, std::string& report) {
-  if (noise.colour_ratio > 0.0) {
+void AppendAr(const NoiseEstimate& noise, std::string& report) {
+  if (noise.ar_ratio > 0.0) {
     absl::StrAppendFormat(
         &report, "    coloured          variance %.4g, memory %.3g samples",
-        noise.colour_variance(), noise.colour_memory());
-    if (noise.colour_damping > 0.0) {
-      absl::StrAppendFormat(&report, ", damping %.3g", noise.colour_damping);
+        noise.ar_variance(), noise.ar_memory());
+    if (noise.ar_damping > 0.0) {
+      absl::StrAppendFormat(&report, ", damping %.3g", noise.ar_damping);
     }
     report += "\n";
   }
@@ -84,13 +84,12 @@ MatrixXd StepDerivatives(const ElementResponse& element,
 
 }  // namespace
 
-double NoiseEstimate::colour_variance() const {
-  return colour_ratio * variance *
-         Colour(colour_pole, colour_damping).Stationary().aa;
+double NoiseEstimate::ar_variance() const {
+  return ar_ratio * variance * ArComponent(ar_pole, ar_damping).Stationary().aa;
 }
 
-double NoiseEstimate::colour_memory() const {
-  return colour_ratio > 0.0 ? -1.0 / std::log(colour_pole) : 0.0;
+double NoiseEstimate::ar_memory() const {
+  return ar_ratio > 0.0 ? -1.0 / std::log(ar_pole) : 0.0;
 }
 
 ElementValues ElementEstimate::values() const {
@@ -154,7 +153,7 @@ std::string OutputErrorCorrection::FullReport() const {
         certificate.condition,
         certificate.at_bound ? ", a parameter at its bound" : "",
         certificate.message);
-    AppendColour(full.noise[i], report);
+    AppendAr(full.noise[i], report);
     for (int j = 0; j < m; ++j) {
       const ElementEstimate& proposed = corrected.element(i, j);
       absl::StrAppendFormat(&report, "    input %s: %s (p = %.3g)\n",

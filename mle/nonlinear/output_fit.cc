@@ -27,10 +27,11 @@ constexpr double kShapeTolerance = 0.02;
 // A move of an input has an effect for dead time + this many time scales.
 constexpr double kMoveTimeScales = 5.0;
 
-// Whether a colour is sought. Bursts of outliers look like one, and what is
-// taken for colour is not down-weighted: a robust loss finds its weights first.
-bool MayHaveColour(const OutputErrorProblem& problem,
-                   const OutputErrorOptions& options) {
+// Whether an AR component is sought. Bursts of outliers look like one, and what
+// is taken for one is not down-weighted: a robust loss finds its
+// weights first.
+bool MayHaveAr(const OutputErrorProblem& problem,
+               const OutputErrorOptions& options) {
   if (options.start != nullptr) return false;
   return options.robust_loss == RobustLoss::kNone ||
          problem.weights().size() > 0;
@@ -39,7 +40,7 @@ bool MayHaveColour(const OutputErrorProblem& problem,
 // Noise that has been searched everywhere: from it drift is sought downhill,
 // from the least that matters where there was none.
 NoiseEstimate Known(const OutputErrorProblem& problem, NoiseEstimate noise) {
-  if (noise.offset && !(noise.colour_ratio > 0.0)) {
+  if (noise.offset && !(noise.ar_ratio > 0.0)) {
     noise.ratio = std::max(noise.ratio, LeastRatio(problem));
   }
   return noise;
@@ -51,15 +52,15 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
     return std::abs(std::log((x + floor) / (y + floor))) < kShapeTolerance;
   };
   return a.offset == b.offset && same(a.ratio, b.ratio) &&
-         same(a.colour_ratio, b.colour_ratio) &&
-         same(1.0 - a.colour_pole, 1.0 - b.colour_pole) &&
-         same(a.colour_damping, b.colour_damping);
+         same(a.ar_ratio, b.ar_ratio) &&
+         same(1.0 - a.ar_pole, 1.0 - b.ar_pole) &&
+         same(a.ar_damping, b.ar_damping);
 }
 
 // Steps 2 to 5 and what is reported, from `fit`'s values and noise.
 void Finish(const OutputErrorProblem& problem,
-            const OutputErrorOptions& options, bool search_colour,
-            Fitter& fitter, OutputFit& fit) {
+            const OutputErrorOptions& options, bool search_ar, Fitter& fitter,
+            OutputFit& fit) {
   const bool part = options.start != nullptr;
   for (int round = 0; round < kMaxSearchRounds; ++round) {
     double cost = 0.0;
@@ -68,7 +69,7 @@ void Finish(const OutputErrorProblem& problem,
       const bool first = round == 0 && again == 0 && !part;
       fit.noise = EstimateNoise(
           problem, fit.point, fit.free, first ? former : Known(problem, former),
-          options.estimate_drift, again == 1 && search_colour);
+          options.estimate_drift, again == 1 && search_ar);
       if (again > 0 && ShapeOf(fit.noise) == ShapeOf(former)) break;
       cost = fitter.RefineRoughly(fit.point, ShapeOf(fit.noise),
                                   /*near=*/again > 0 || part);
@@ -91,7 +92,7 @@ void Finish(const OutputErrorProblem& problem,
   }
   fit.noise = EstimateNoise(problem, fit.point, fit.free,
                             Known(problem, fit.noise), options.estimate_drift,
-                            /*search_colour=*/false);
+                            /*search_ar=*/false);
   fitter.CertifyGradient(fit.point, fit.noise);
 }
 
@@ -170,18 +171,18 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   fit.free = free;
   fit.point = start;
   fit.point.SetCells(problem.sample_time());
-  // At the start the model's error would be taken for colour.
+  // At the start the model's error would be taken for an AR component.
   const bool any = std::find(free.begin(), free.end(), true) != free.end();
   fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(),
                             options.estimate_drift,
-                            !any && MayHaveColour(problem, options));
+                            !any && MayHaveAr(problem, options));
   Fitter fitter(problem, fit.free, bounds, options);
   if (!any) {
     FillIn(problem, options, NothingFree(), fit);
     return fit;
   }
   fit.point = fitter.Start(fit.point, ShapeOf(fit.noise));
-  Finish(problem, options, MayHaveColour(problem, options), fitter, fit);
+  Finish(problem, options, MayHaveAr(problem, options), fitter, fit);
   FillIn(problem, options, fitter.certificate(), fit);
   return fit;
 }
@@ -227,16 +228,16 @@ namespace {
 // Steps 2 to 5 from `fit`, and their certificate.
 FitCertificate Continue(const OutputErrorProblem& problem,
                         const OutputFitBounds& bounds,
-                        const OutputErrorOptions& options, bool search_colour,
+                        const OutputErrorOptions& options, bool search_ar,
                         OutputFit& fit) {
   FitCertificate certificate = fit.certificate;
   if (fit.certificate.num_parameters > 0) {
     Fitter fitter(problem, fit.free, bounds, options);
-    Finish(problem, options, search_colour, fitter, fit);
+    Finish(problem, options, search_ar, fitter, fit);
     certificate = fitter.certificate();
   } else {
     fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
-                              options.estimate_drift, search_colour);
+                              options.estimate_drift, search_ar);
   }
   certificate.weight_change = fit.certificate.weight_change;
   return certificate;
@@ -246,11 +247,11 @@ FitCertificate Continue(const OutputErrorProblem& problem,
 
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
-                const OutputErrorOptions& options, bool search_colour) {
+                const OutputErrorOptions& options, bool search_ar) {
   OutputFit again = fit;
   const FitCertificate certificate =
       Continue(problem, bounds, options,
-               search_colour && MayHaveColour(problem, options), again);
+               search_ar && MayHaveAr(problem, options), again);
   FillIn(problem, options, certificate, again);
   return again;
 }
@@ -272,7 +273,7 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
   }
   plain.noise = EstimateNoise(problem, plain.point, plain.free, plain.noise,
                               options.estimate_drift,
-                              /*search_colour=*/false);
+                              /*search_ar=*/false);
   fitter.CertifyGradient(plain.point, plain.noise);
   fitter.SetConfirmed(fit.certificate.search_confirmed);
   FitCertificate certificate = fitter.certificate();
@@ -289,7 +290,7 @@ void FitWithStampNoise(const OutputFitBounds& bounds,
     FindStampNoise(fit, problem);
     const double found = problem.stamp_deviation();
     if (found == 0.0 && former == 0.0) return;
-    fit = Refit(problem, fit, bounds, options, MayHaveColour(problem, options));
+    fit = Refit(problem, fit, bounds, options, MayHaveAr(problem, options));
     if (std::abs(found - former) <= kStampTolerance * found) return;
   }
 }
@@ -310,13 +311,13 @@ void FitRobustly(const OutputFitBounds& bounds,
       if (change <= kWeightTolerance) break;
       fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
                                 options.estimate_drift,
-                                /*search_colour=*/false);
+                                /*search_ar=*/false);
       if (parameters) {
         fitter.RefineRoughly(fit.point, ShapeOf(fit.noise), /*near=*/true);
       }
     }
-    certificate = Continue(problem, bounds, options,
-                           MayHaveColour(problem, options), fit);
+    certificate =
+        Continue(problem, bounds, options, MayHaveAr(problem, options), fit);
     certificate.num_parameters = fit.certificate.num_parameters;
     change = Reweight(options.robust_loss, fit, problem);
   }

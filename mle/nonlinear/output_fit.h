@@ -2,7 +2,7 @@
 // mle/nonlinear; the public interface is OutputErrorCorrection.
 //
 // Parameters are K, T and L of the free elements, the noise variance r and the
-// noise shape: the ratio ρ = q/r and, where it pays, a colour
+// noise shape: the ratio ρ = q/r and, where it pays, an AR component
 // (noise_search.h). For a given shape the whitened residuals are minimised:
 //
 //   1. The dead times are searched on a grid (delay_search.h), with the time
@@ -70,10 +70,10 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
                         OutputErrorProblem& problem);
 
 // The fit continued from `fit`, under the weights that `problem` has now.
-// `search_colour`: a colour that `fit` does not have is sought.
+// `search_ar`: an AR component that `fit` does not have is sought.
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
-                const OutputErrorOptions& options, bool search_colour = true);
+                const OutputErrorOptions& options, bool search_ar = true);
 
 // Random errors of stamps (stamp_noise.h) and the fit under them, in turn from
 // `fit`; left in `problem` and `fit`.
@@ -97,7 +97,7 @@ struct LinearEstimate {
 
 // ρ is uncertain, and where drift is too weak to be detected its best estimate
 // is 0. Estimates are therefore taken to first order about
-// `fit` (an offset for each segment, its colour) under every possible ρ,
+// `fit` (an offset for each segment, its AR component) under every possible ρ,
 // weighted by restricted likelihood and the prior of noise_search.h. Weights
 // add up to one. One estimate where ρ is not estimated, or nothing is free.
 std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
@@ -118,25 +118,25 @@ void ReportDisturbances(const OutputErrorProblem& problem,
 inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
   return {.ratio = noise.ratio,
           .offset = noise.offset,
-          .colour_ratio = noise.colour_ratio,
-          .colour_pole = noise.colour_pole,
-          .colour_damping = noise.colour_damping};
+          .ar_ratio = noise.ar_ratio,
+          .ar_pole = noise.ar_pole,
+          .ar_damping = noise.ar_damping};
 }
 
 // Noise of the output at `point`, by restricted likelihood, with the elements
 // that are `free` taken to be estimated. Offsets are as in `start`; without
-// them the shape is. A colour is sought from that of `start`, or, if it has
-// none and `search_colour`, everywhere (noise_search.h).
+// them the shape is. An AR component is sought from that of `start`, or, if it
+// has none and `search_ar`, everywhere (noise_search.h).
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
                             const NoiseEstimate& start, bool estimate_drift,
-                            bool search_colour);
+                            bool search_ar);
 
 // The evidence against "the noise is white, without offsets" in one output.
 struct OffsetEvidence {
   double offsets = 0.0;    // χ² of the offsets for ρ = 0
-  double drift = 0.0;      // likelihood ratio of ρ and colour, offsets given
+  double drift = 0.0;      // likelihood ratio of the walk and AR component
   int num_parameters = 0;  // offsets, and those of drift that are estimated
 };
 
@@ -152,14 +152,14 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
 double OffsetWeight(const std::vector<OffsetEvidence>& evidence);
 
 // −2 ln likelihood less constants at `point`, maximised over r, ρ and the
-// colour that `start` has, and, in first order, over the elements that are
-// `free`; with an offset as in `start`.
+// AR component that `start` has, and, in first order, over the elements that
+// are `free`; with an offset as in `start`.
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
                 bool estimate_drift);
 
 // Two explanations of an output, the second with more parameters, under the
-// same noise: an offset for each segment, one ρ and one colour.
+// same noise: an offset for each segment, one ρ and one AR component.
 struct Contrast {
   // S(ρ), the reduction of the squares by the second over r, integrated over
   // the possible ρ: −2 ln Σ w(ρ) exp(−S(ρ)/2), with the weights w of
@@ -170,8 +170,8 @@ struct Contrast {
 };
 
 // `null`, of restricted likelihood; and with the columns (of each segment,
-// rows × k) besides, under the colour of the second and the larger of the two
-// ratios that restricted likelihood finds: one ratio for each would let the
+// rows × k) besides, under the AR component of the second and the larger of the
+// two ratios that restricted likelihood finds: one ratio for each would let the
 // second explain slow drift and then call the noise white, and with weak drift
 // every fourth test would raise a false alarm of one in a hundred.
 Contrast ContrastWithColumns(const ShapeLikelihood& null,

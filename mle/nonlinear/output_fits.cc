@@ -75,9 +75,9 @@ OutputFit FitAged(const OutputSetup& setup, const OutputFit& fit,
   aged.free = free;
   aged.point = std::move(start);
   aged.point.SetCells(setup.problem->sample_time());
-  // The colour was sought with all free that may have changed.
+  // The AR component was sought with all free that may have changed.
   return Refit(*setup.problem, aged, setup.bounds, options,
-               /*search_colour=*/false);
+               /*search_ar=*/false);
 }
 
 }  // namespace mle

@@ -43,9 +43,9 @@ NoiseEstimate NoiseOf(const ShapeLikelihood& likelihood,
   noise.variance = profile.variance();
   noise.ratio = profile.shape.ratio;
   noise.offset = profile.shape.offset;
-  noise.colour_ratio = profile.shape.colour_ratio;
-  noise.colour_pole = profile.shape.colour_pole;
-  noise.colour_damping = profile.shape.colour_damping;
+  noise.ar_ratio = profile.shape.ar_ratio;
+  noise.ar_pole = profile.shape.ar_pole;
+  noise.ar_damping = profile.shape.ar_damping;
   noise.log_deviations = LogDeviations(likelihood, profile);
   return noise;
 }
@@ -54,12 +54,12 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
                             const NoiseEstimate& start, bool estimate_drift,
-                            bool search_colour) {
+                            bool search_ar) {
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/true);
   return NoiseOf(likelihood, start.offset
                                  ? FindBestShape(likelihood, ShapeOf(start),
-                                                 estimate_drift, search_colour)
+                                                 estimate_drift, search_ar)
                                  : likelihood.At(ShapeOf(start)));
 }
 
@@ -80,7 +80,7 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
   for (int i = 1; i < kShapeParameters; ++i) {
     evidence.num_parameters += HasParameter(ShapeOf(noise), i) ? 1 : 0;
   }
-  if (noise.ratio > 0.0 || noise.colour_ratio > 0.0) {
+  if (noise.ratio > 0.0 || noise.ar_ratio > 0.0) {
     evidence.drift = with.value - likelihood.At(ShapeOf(noise)).value;
   }
   return evidence;
@@ -102,7 +102,7 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                                    /*restricted=*/false);
   if (!start.offset) return likelihood.At(ShapeOf(start)).value;
   return FindBestShape(likelihood, ShapeOf(start), estimate_drift,
-                       /*search_colour=*/false)
+                       /*search_ar=*/false)
       .value;
 }
 
@@ -162,9 +162,9 @@ Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              bool estimate_drift) {
   const ShapeLikelihood alternative = null.With(columns);
   Profile with = FindBestShape(alternative, NoiseShape(), estimate_drift,
-                               /*search_colour=*/true);
+                               /*search_ar=*/true);
   const double of_null = FindBestShape(null, with.shape, estimate_drift,
-                                       /*search_colour=*/false)
+                                       /*search_ar=*/false)
                              .shape.ratio;
   if (of_null > with.shape.ratio) {
     NoiseShape shape = with.shape;

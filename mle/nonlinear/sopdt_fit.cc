@@ -1,5 +1,3 @@
-#include "mle/nonlinear/sopdt_fit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,6 +6,7 @@
 #include "ceres/ceres.h"
 #include "mle/base/number_range.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle {
 namespace {

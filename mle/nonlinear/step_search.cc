@@ -269,7 +269,7 @@ std::optional<FoundStep> FindStep(const ExtendedFit& extended) {
     step = search.Refine(step, with.shape);
     with = extended.Best(search.Columns(step),
                          round == 0 ? NoiseShape() : with.shape,
-                         /*search_colour=*/round == 0);
+                         /*search_ar=*/round == 0);
   }
   const double gain = PricedValue(problem, extended.Without()) -
                       PricedValue(problem, with) - StepPrice(problem);

@@ -15,23 +15,10 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/regression/duality_gap.h"
+#include "mle/regression/lasso_options.h"
 #include "mle/regression/lasso_problem.h"
 
 namespace mle {
-
-struct CoordinateDescentOptions {
-  enum class Stop {
-    kDualityGap,  // relative duality gap ≤ tolerance
-    // MATLAB's `lasso`: a sweep changes β by ≤ tolerance ‖β‖₂ (its default
-    // tolerance is 1e-4). Says little about the distance to the minimiser.
-    kRelativeChange,
-  };
-  Stop stop = Stop::kDualityGap;
-  double tolerance = 1e-9;  // > 0
-  int max_sweeps = 100000;  // ≥ 1
-
-  absl::Status Validate() const;
-};
 
 struct CoordinateDescentSummary {
   bool converged = false;

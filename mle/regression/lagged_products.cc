@@ -8,8 +8,8 @@
 namespace mle {
 namespace {
 
-// Numbers and samples of a stretch; columns of products made at once.
-constexpr Eigen::Index kStretch = 4096;
+// Numbers and samples of a segment; columns of products made at once.
+constexpr Eigen::Index kSegment = 4096;
 constexpr Eigen::Index kFewestSamples = 32;
 constexpr Eigen::Index kPanel = 8;
 
@@ -31,12 +31,12 @@ Eigen::MatrixXd GramMatrix(const Eigen::Ref<const Eigen::MatrixXd>& X) {
   const Eigen::Index n = X.cols();
   if (n == 0) return Eigen::MatrixXd();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
-  // The kernels read samples one after the other; those of a stretch stay in
+  // The kernels read samples one after the other; those of a segment stay in
   // the cache while all columns are gone through.
-  const Eigen::Index stretch = std::max(kStretch / n, kFewestSamples);
+  const Eigen::Index segment = std::max(kSegment / n, kFewestSamples);
   Eigen::MatrixXd samples;
-  for (Eigen::Index first = 0; first < X.rows(); first += stretch) {
-    const Eigen::Index count = std::min(stretch, X.rows() - first);
+  for (Eigen::Index first = 0; first < X.rows(); first += segment) {
+    const Eigen::Index count = std::min(segment, X.rows() - first);
     samples = X.middleRows(first, count).transpose();
     // The lower triangle, and what of the upper its panels hold.
     for (Eigen::Index c = 0; c < n; c += kPanel) {

@@ -5,7 +5,7 @@
 // X n × N as a view with outer stride c (lagged_series.h), W q × N, S n × q. A
 // general matrix product first copies X into packed panels: n numbers for each
 // of N columns, where only c are new. Here tiles of S stay in registers while k
-// runs, and x_k is read where it lies; the samples of one stretch of k fit into
+// runs, and x_k is read where it lies; the samples of one segment of k fit into
 // the first level cache and serve all tiles. 2nqN operations.
 
 #ifndef MLE_REGRESSION_LAGGED_PRODUCTS_H_
@@ -16,7 +16,7 @@
 
 namespace mle {
 
-// Sums run over stretches of k and then over the stretches, in an order that
+// Sums run over segments of k and then over the segments, in an order that
 // depends on the shapes and the processor's vectors alone.
 void AddLaggedProducts(
     const LaggedSeries::View& x,

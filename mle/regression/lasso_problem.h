@@ -21,13 +21,9 @@
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "mle/regression/lagged_moments.h"
+#include "mle/regression/lasso_options.h"
 
 namespace mle {
-
-enum class Scaling {
-  kStandardise,  // centre, unit variance, intercept
-  kRaw,          // neither, no intercept
-};
 
 // The problems of q responses on the same regressors.
 struct LassoProblem {

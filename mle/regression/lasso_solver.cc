@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
+#include "mle/regression/coordinate_descent.h"
 #include "mle/regression/duality_gap.h"
 #include "mle/regression/elastic_net.h"
 #include "mle/regression/homotopy.h"

@@ -9,37 +9,15 @@
 #ifndef MLE_REGRESSION_LASSO_SOLVER_H_
 #define MLE_REGRESSION_LASSO_SOLVER_H_
 
-#include <functional>
 #include <string>
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
-#include "mle/regression/coordinate_descent.h"
+#include "mle/regression/lasso_options.h"
 #include "mle/regression/lasso_path.h"
 #include "mle/regression/lasso_problem.h"
 
 namespace mle {
-
-enum class LassoSolver {
-  kHomotopy,
-  kCoordinateDescent,
-  kFunction,
-  kElasticNet  // not the lasso: elastic_net.h
-};
-
-// β (n) at one λ ≥ 0, from a start nearby (n). Fails where a solve does.
-using LassoFunction = std::function<absl::StatusOr<Eigen::VectorXd>(
-    const LassoObjective& objective, double lambda,
-    const Eigen::VectorXd& start)>;
-
-struct LassoSolverOptions {
-  LassoSolver solver = LassoSolver::kHomotopy;
-  CoordinateDescentOptions coordinate_descent;
-  LassoFunction function;  // of kFunction; may be called by several threads
-  // ρ of kElasticNet, 0 < ρ ≤ 1. Its λ must be above 0, and its gap is that of
-  // the elastic net.
-  double elastic_net_ratio = 0.5;
-};
 
 struct LassoSolution {
   LassoPath path;

@@ -22,17 +22,9 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/trial/trial_state.h"
 
 namespace mle {
-
-// Sums over pairs of rows at rest, l apart.
-struct Variogram {
-  Eigen::VectorXd sums;    // l = 1, …: Σ (n_{k+l} − n_k)²/2
-  Eigen::VectorXd counts;  // of pairs
-
-  // G(l), 0 of l = 0.
-  double at(Eigen::Index l) const;
-};
 
 // W (n × n). `known` (n): other rows have no weight. Zero without noise.
 Eigen::MatrixXd LossMatrix(const Variogram& noise,

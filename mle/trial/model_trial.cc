@@ -8,7 +8,9 @@
 #include "mle/base/status.h"
 #include "mle/maintain/correct.h"
 #include "mle/maintain/select_output.h"
+#include "mle/trial/change_window.h"
 #include "mle/trial/set_point_shapes.h"
+#include "mle/trial/trial_rows.h"
 
 namespace mle {
 namespace {

@@ -67,18 +67,33 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
-#include "mle/trial/trial_options.h"
-#include "mle/trial/trial_rows.h"
 #include "mle/trial/trial_state.h"
 #include "mle/trial/trial_verdict.h"
 
 namespace mle {
+
+struct TrialRows;  // trial_rows.h
 
 // How far the step responses of two models of the same channels differ over the
 // longer of their settling times (p × m): ResponseDistance::elements of
 // mle/maintain/correct.h.
 Eigen::MatrixXd CompareElements(const ProcessModel& from,
                                 const ProcessModel& to);
+
+// Two models of the outputs that differ, r of p.
+struct TrialModels {
+  ProcessModel in_use;
+  ProcessModel proposed;
+  std::vector<int> outputs;
+  std::vector<int> inputs;  // that move these outputs
+};
+
+// The rows of several samples that a trial works on (trial_rows.h).
+struct RowPlan {
+  int samples = 1;     // of a row
+  int forgetting = 0;  // samples in which former inputs act
+  double pole = 0.5;   // of the shapes, for each row
+};
 
 class ModelTrial {
  public:

@@ -9,23 +9,9 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
-#include "mle/model/process_model.h"
+#include "mle/trial/model_trial.h"
 
 namespace mle {
-
-// Two models of the outputs that differ, r of p.
-struct TrialModels {
-  ProcessModel in_use;
-  ProcessModel proposed;
-  std::vector<int> outputs;
-  std::vector<int> inputs;  // that move these outputs
-};
-
-struct RowPlan {
-  int samples = 1;     // of a row
-  int forgetting = 0;  // samples in which former inputs act
-  double pole = 0.5;   // of the shapes, for each row
-};
 
 struct TrialRows {
   Eigen::Index first = 0;       // row that begins with the record's `first`

@@ -8,10 +8,19 @@
 #include <vector>
 
 #include "Eigen/Core"
-#include "mle/trial/change_window.h"
 #include "mle/trial/trial_verdict.h"
 
 namespace mle {
+
+// The variogram of noise (change_window.h): sums over pairs of rows at rest, l
+// apart.
+struct Variogram {
+  Eigen::VectorXd sums;    // l = 1, …: Σ (n_{k+l} − n_k)²/2
+  Eigen::VectorXd counts;  // of pairs
+
+  // G(l), 0 of l = 0.
+  double at(Eigen::Index l) const;
+};
 
 // Squares of e_k − e_{k−h} of an output over each horizon, summed.
 struct StepLosses {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mle/base/status.h"
 #include "mle/trial/trial_evidence.h"
 
 namespace mle {
@@ -70,6 +71,26 @@ TrialAdvice Advise(const TrialVerdict& verdict, bool adopted,
 }
 
 }  // namespace
+
+absl::Status TrialOptions::Validate() const {
+  if (!(level > 0.0 && level < 1.0)) {
+    return InvalidArgument("trial: level is ", level, "; it must be in (0, 1)");
+  }
+  if (!(left_share > 0.0)) {
+    return InvalidArgument("trial: left_share is ", left_share,
+                           "; it must be > 0");
+  }
+  if (least_changes < 2) {
+    return InvalidArgument("trial: least_changes is ", least_changes,
+                           "; it must be ≥ 2");
+  }
+  if (most_changes < least_changes) {
+    return InvalidArgument("trial: most_changes is ", most_changes,
+                           "; it must be ≥ least_changes (", least_changes,
+                           ")");
+  }
+  return absl::OkStatus();
+}
 
 bool TrialResponse::judged() const {
   return std::any_of(deviations.begin(), deviations.end(),

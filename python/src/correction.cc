@@ -18,6 +18,7 @@
 #include "mle/base/status.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/maintain/correct.h"
+#include "mle/maintain/stage.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"

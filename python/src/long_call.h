@@ -15,7 +15,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "mle/maintain/progress.h"
+#include "mle/maintain/message.h"
 #include "pybind11/pybind11.h"
 
 namespace mle::python {

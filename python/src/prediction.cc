@@ -13,7 +13,7 @@
 #include "mle/data/linearise.h"
 #include "mle/data/sampling.h"
 #include "mle/maintain/channel_scales.h"
-#include "mle/maintain/residual_diagnostics.h"
+#include "mle/maintain/validation.h"
 #include "mle/maintain/whole_windows.h"
 #include "mle/model/process_simulator.h"
 #include "pybind11/stl.h"

@@ -3,7 +3,8 @@
 #   awk -f check_includes.awk FILE…
 #
 # with paths from the root of the project. Prints FILE:LINE and the rule broken
-# for every forbidden include; exits with 1 if there is one.
+# for every forbidden include, cycles of headers, and if mle/mle.h includes too
+# much; exits with 1 if there is one.
 #
 # The table is that of docs/architecture.md.
 
@@ -98,6 +99,8 @@ function check(target, quoted) {
     report("include by the path from the root of the project")
   } else if (layer_of(target) in allowed) {
     check_project_include(target)
+    included[FILENAME] = included[FILENAME] " " target
+    line_of[FILENAME, target] = FNR
   } else if (target ~ /^gflags\//) {
     check_gflags()
   } else if (target ~ /^ceres\//) {
@@ -107,6 +110,24 @@ function check(target, quoted) {
   } else if (quoted && target !~ /\//) {
     report("include by the path from the root of the project")
   }
+}
+
+# How many headers stand behind `file`, `path` (with blanks around) leading to
+# it. A header on that path that is included again closes a cycle.
+function walk(file, path,    target, targets, i, n, count) {
+  if (file in walked) return 0
+  walked[file] = 1
+  n = split(included[file], targets, " ")
+  for (i = 1; i <= n; ++i) {
+    target = targets[i]
+    if (is_in(target, path file)) {
+      printf "%s:%d: %s: headers have no cycles\n", file, line_of[file, target],
+             target
+      ++errors
+    }
+    if (!(target in walked)) count += 1 + walk(target, path file " ")
+  }
+  return count
 }
 
 FNR == 1 {
@@ -141,4 +162,12 @@ in_comment {
   }
 }
 
-END { exit errors > 0 }
+END {
+  behind = walk("mle/mle.h", "")
+  if (behind > 30) {
+    printf "mle/mle.h: %d headers stand behind it, at most 30 are to\n", behind
+    ++errors
+  }
+  for (file in included) walk(file, "")
+  exit errors > 0
+}

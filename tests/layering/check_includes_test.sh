@@ -89,6 +89,7 @@ forbidden mle/model/a.cc '/* here */ #include "sim/plant.h"' 'mle/model may incl
 forbidden mle/model/a.cpp '#include "sim/plant.h"' 'mle/model may include only'
 forbidden mle/model/a.cc '#include "../../sim/plant.h"' 'the path from the root'
 forbidden mle/model/a.cc '#include "b.h"' 'the path from the root'
+forbidden mle/model/a.h '#include "mle/model/a.h"' 'headers have no cycles'
 forbidden mle/model/a.cc '#include PLANT_HEADER' 'must name its file'
 permitted mle/model/a.cc '// #include "sim/plant.h"'
 permitted mle/model/a.cc '/* #include "sim/plant.h" */'

@@ -28,12 +28,12 @@ struct ProductSeries {
 };
 
 // A filter of innovations, sample by sample (nonlinear/innovations_filter.h):
-// gain of the level w, 1/√F, and of each sample with colour four numbers: own,
-// cross, and the gains of a and b.
+// gain of the level w, 1/√F, and of each sample with an AR component four
+// numbers: own, cross, and the gains of a and b.
 struct FilterSteps {
   const double* gains = nullptr;
   const double* inverse_roots = nullptr;
-  const double* colour = nullptr;  // nullptr: none
+  const double* ar = nullptr;  // nullptr: none
   double spread = 0.0;
 };
 

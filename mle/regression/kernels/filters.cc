@@ -13,7 +13,7 @@ namespace {
 constexpr int kBeside = 4;
 
 // `depth` vectors of T from the columns that `rows` and `state` begin at.
-template <typename T, int depth, bool coloured>
+template <typename T, int depth, bool has_ar>
 void FilterTile(const FilterSteps& steps, Index count, double* rows,
                 Index stride, double* state, Index width) {
   // NOLINTNEXTLINE(bugprone-sizeof-expression): 1 where T is double.
@@ -23,24 +23,22 @@ void FilterTile(const FilterSteps& steps, Index count, double* rows,
   T b[depth];
   for (int i = 0; i < depth; ++i) {
     level[i] = Load<T>(state + i * kLanes);
-    if constexpr (coloured) {
+    if constexpr (has_ar) {
       a[i] = Load<T>(state + width + i * kLanes);
       b[i] = Load<T>(state + 2 * width + i * kLanes);
     }
   }
-  const double* colour = steps.colour;
+  const double* ar = steps.ar;
   for (Index k = 0; k < count; ++k, rows += stride) {
     const double gain = steps.gains[k];
     const double root = steps.inverse_roots[k];
     for (int i = 0; i < depth; ++i) {
       const T value = Load<T>(rows + i * kLanes);
       T innovation;
-      if constexpr (coloured) {
+      if constexpr (has_ar) {
         innovation = value - (level[i] + a[i]);
-        const T next =
-            colour[0] * a[i] + colour[1] * b[i] + colour[2] * innovation;
-        b[i] = steps.spread * colour[1] * a[i] + colour[0] * b[i] +
-               colour[3] * innovation;
+        const T next = ar[0] * a[i] + ar[1] * b[i] + ar[2] * innovation;
+        b[i] = steps.spread * ar[1] * a[i] + ar[0] * b[i] + ar[3] * innovation;
         a[i] = next;
       } else {
         innovation = value - level[i];
@@ -48,32 +46,32 @@ void FilterTile(const FilterSteps& steps, Index count, double* rows,
       level[i] += gain * innovation;
       Store(innovation * root, rows + i * kLanes);
     }
-    if constexpr (coloured) colour += 4;
+    if constexpr (has_ar) ar += 4;
   }
   for (int i = 0; i < depth; ++i) {
     Store(level[i], state + i * kLanes);
-    if constexpr (coloured) {
+    if constexpr (has_ar) {
       Store(a[i], state + width + i * kLanes);
       Store(b[i], state + 2 * width + i * kLanes);
     }
   }
 }
 
-template <bool coloured>
+template <bool has_ar>
 void FilterAll(const FilterSteps& steps, Index count, double* rows,
                Index stride, Index width, double* state) {
   Index c = 0;
   for (; c + kBeside * kWidth <= width; c += kBeside * kWidth) {
-    FilterTile<Vector, kBeside, coloured>(steps, count, rows + c, stride,
-                                          state + c, width);
+    FilterTile<Vector, kBeside, has_ar>(steps, count, rows + c, stride,
+                                        state + c, width);
   }
   for (; c + kWidth <= width; c += kWidth) {
-    FilterTile<Vector, 1, coloured>(steps, count, rows + c, stride, state + c,
-                                    width);
+    FilterTile<Vector, 1, has_ar>(steps, count, rows + c, stride, state + c,
+                                  width);
   }
   for (; c < width; ++c) {
-    FilterTile<double, 1, coloured>(steps, count, rows + c, stride, state + c,
-                                    width);
+    FilterTile<double, 1, has_ar>(steps, count, rows + c, stride, state + c,
+                                  width);
   }
 }
 
@@ -167,7 +165,7 @@ void RunFirstOrder(const FirstOrderElements& elements, Index samples,
 
 void FilterRows(const FilterSteps& steps, Index count, double* rows,
                 Index stride, Index width, double* state) {
-  if (steps.colour != nullptr) {
+  if (steps.ar != nullptr) {
     FilterAll<true>(steps, count, rows, stride, width, state);
   } else {
     FilterAll<false>(steps, count, rows, stride, width, state);

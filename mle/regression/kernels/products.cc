@@ -15,8 +15,8 @@ constexpr int kDepth = 6;
 constexpr int kDepth = 3;
 #endif
 
-// Numbers of one stretch of samples: 32 KiB.
-constexpr Index kStretch = 4096;
+// Numbers of one segment of samples: 32 KiB.
+constexpr Index kSegment = 4096;
 
 // Columns of G and of U that are gone through together, so that vectors are
 // read and written less.
@@ -188,13 +188,13 @@ void SolvePanel(const double* u, Index stride, Index first, double* x) {
 }  // namespace
 
 void AddProducts(const ProductSeries& series, double* sums, Index stride) {
-  const Index rows_at_once = kStretch / series.x_stride;
-  const Index stretch = rows_at_once > 32 ? rows_at_once : 32;
-  for (Index k = 0; k < series.count; k += stretch) {
+  const Index rows_at_once = kSegment / series.x_stride;
+  const Index segment = rows_at_once > 32 ? rows_at_once : 32;
+  for (Index k = 0; k < series.count; k += segment) {
     ProductSeries part = series;
     part.x += k * series.x_stride;
     part.w += k * series.w_stride;
-    part.count = Min(stretch, series.count - k);
+    part.count = Min(segment, series.count - k);
     for (Index j = 0; j < series.columns; j += 4, part.w += 4) {
       double* panel = sums + j * stride;
       switch (Min(series.columns - j, 4)) {

@@ -31,7 +31,8 @@ Result Examined() {
       ProcessModel("tank", "min", {{"valve", ""}}, {{"level", ""}});
   result.data.lead = 10;
   result.data.records = {WithShutdown()};
-  // A window is at the end; before it DivideRest() leaves the shutdown out.
+  // A window is at the end; before it FindSteadyRecords() leaves the shutdown
+  // out.
   const Record& record = result.data.records.front();
   result.data.windows = {
       {.record = PartOf(record, 400, 100), .first_sample = 400}};

@@ -78,9 +78,9 @@ TEST(CodecTest, ReferencesAreReadBack) {
   OutputReference output;
   output.noise.variance = 0.1234567890123;
   output.noise.ratio = 1e-3;
-  output.noise.colour_ratio = 0.5;
-  output.noise.colour_pole = 0.9;
-  output.noise.colour_damping = 1.5;
+  output.noise.ar_ratio = 0.5;
+  output.noise.ar_pole = 0.9;
+  output.noise.ar_damping = 1.5;
   output.deviation = 0.98;
   output.covariances = {1.0, 0.1, -0.05};
   reference.outputs = {output};
@@ -97,9 +97,9 @@ TEST(CodecTest, ReferencesAreReadBack) {
   EXPECT_EQ(found.noise.variance, output.noise.variance);
   EXPECT_EQ(found.noise.ratio, output.noise.ratio);
   EXPECT_EQ(found.noise.offset, output.noise.offset);
-  EXPECT_EQ(found.noise.colour_ratio, output.noise.colour_ratio);
-  EXPECT_EQ(found.noise.colour_pole, output.noise.colour_pole);
-  EXPECT_EQ(found.noise.colour_damping, output.noise.colour_damping);
+  EXPECT_EQ(found.noise.ar_ratio, output.noise.ar_ratio);
+  EXPECT_EQ(found.noise.ar_pole, output.noise.ar_pole);
+  EXPECT_EQ(found.noise.ar_damping, output.noise.ar_damping);
   EXPECT_EQ(found.deviation, output.deviation);
   EXPECT_EQ(found.covariances, output.covariances);
   EXPECT_EQ(read->low, reference.low);

@@ -58,8 +58,8 @@ TEST_P(RobustCorrectionTest, IsCertified) {
       EXPECT_TRUE(fit.converged) << fit.rounds;
       EXPECT_LE(fit.relative_gap, 1e-7);
     }
-    // Every outlier is spared.
-    EXPECT_GE(robust.fits[0].spared_rows, 12);
+    // Every outlier is down-weighted.
+    EXPECT_GE(robust.fits[0].down_weighted_rows, 12);
   }
 }
 

@@ -7,7 +7,9 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
+#include "mle/data/outliers.h"
 #include "mle/data/record_collector.h"
+#include "mle/data/robust_statistics.h"
 
 namespace mle {
 namespace {

@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using Verdict = QuietPart::Verdict;
+using Verdict = SteadyOperation::Verdict;
 
 // Settles in 2 + 5·10 = 52.
 ProcessModel WindowModel() {
@@ -60,7 +60,7 @@ WindowSet Found(const std::vector<Record>& records,
 // A drift or a disturbance.
 bool IsReported(const SetPointWindow& window) {
   for (const auto& parts : {window.before, window.after}) {
-    for (const QuietPart& part : parts) {
+    for (const SteadyOperation& part : parts) {
       if (part.verdict == Verdict::kDrifting ||
           part.verdict == Verdict::kDisturbed) {
         return true;
@@ -254,7 +254,7 @@ TEST(FindWindowsTest, DriftAndDisturbancesAreReported) {
   ASSERT_EQ(set.windows.size(), 2u);
   EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kDrifting);
   EXPECT_NEAR(set.windows[0].before[0].size, 0.4, 0.12);
-  EXPECT_EQ(set.windows[0].before[1].verdict, Verdict::kQuiet);
+  EXPECT_EQ(set.windows[0].before[1].verdict, Verdict::kSteady);
   EXPECT_EQ(set.windows[1].before[1].verdict, Verdict::kDisturbed);
   EXPECT_NEAR(set.windows[1].before[1].size, 0.5, 0.15);
   EXPECT_NEAR(set.windows[1].before[1].time, 1975.0, 3.0);
@@ -269,7 +269,7 @@ TEST(FindWindowsTest, TheModelTellsDisturbancesFromMoves) {
   record.inputs.row(0).tail(1050).array() += 1.0;  // a move, and its response
   record.outputs.row(0).tail(1050) += step.head(1050).transpose();
   WindowSet set = Found({record});
-  EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kQuiet);
+  EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kSteady);
   // The move answers a disturbance of the opposite sign, so that the output
   // ends where it was.
   record.outputs.row(0).tail(1050).array() -= 1.0;

@@ -16,6 +16,7 @@
 #include "absl/time/time.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/data/row_source.h"
 #include "mle/database/record_sources.h"
 #include "tests/mle/database/postgresql_server.h"
 #include "tests/mle/database/tank_rows.h"

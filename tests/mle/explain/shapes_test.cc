@@ -10,6 +10,7 @@
 #include "mle/explain/explained_output.h"
 #include "mle/explain/instruments.h"
 #include "mle/explain/several_steps.h"
+#include "mle/model/element_response.h"
 #include "mle/model/process_simulator.h"
 #include "tests/mle/explain/closed_loop_records.h"
 

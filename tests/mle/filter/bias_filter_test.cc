@@ -32,11 +32,11 @@ TEST(BiasFilterTest, OfAWalkWithoutNoiseThePlainUpdateIsBest) {
 TEST(BiasFilterTest, ExpectedErrorIsTheMeanOfALongRecord) {
   const NoiseEstimate lagged{.variance = 0.5,
                              .ratio = 1e-4,
-                             .colour_ratio = 0.02,
-                             .colour_pole = 0.9,
-                             .colour_damping = 1.4};
+                             .ar_ratio = 0.02,
+                             .ar_pole = 0.9,
+                             .ar_damping = 1.4};
   const NoiseEstimate first{
-      .variance = 1.0, .ratio = 1e-4, .colour_ratio = 0.2, .colour_pole = 0.8};
+      .variance = 1.0, .ratio = 1e-4, .ar_ratio = 0.2, .ar_pole = 0.8};
   for (const NoiseEstimate& noise : {lagged, first}) {
     const Eigen::VectorXd record = DrawNoise(noise, 400'000, 7);
     for (const double gain : {0.05, 0.4, 1.0}) {
@@ -57,9 +57,9 @@ TEST(BiasFilterTest, ExpectedErrorIsTheMeanOfALongRecord) {
 TEST(BiasFilterTest, NoGainOfAGridIsBetterThanTheBest) {
   const DisturbanceSystem system = SystemOf({.variance = 1.0,
                                              .ratio = 1e-3,
-                                             .colour_ratio = 1e-3,
-                                             .colour_pole = 0.97,
-                                             .colour_damping = 1.0},
+                                             .ar_ratio = 1e-3,
+                                             .ar_pole = 0.97,
+                                             .ar_damping = 1.0},
                                             2);
   const double best = BiasFilterError(system, BestBiasGain(system, 20), 20);
   for (double gain = 1e-4; gain <= 1.0; gain *= 1.05) {

@@ -17,20 +17,17 @@ std::vector<NoiseEstimate> Noises() {
   return {{.variance = 1.0, .ratio = 0.1},
           {.variance = 2.0, .ratio = 1e-8},
           {.variance = 1e-6, .ratio = 1e6},
-          {.variance = 0.3,
-           .ratio = 1e-4,
-           .colour_ratio = 0.5,
-           .colour_pole = 0.95},
+          {.variance = 0.3, .ratio = 1e-4, .ar_ratio = 0.5, .ar_pole = 0.95},
           {.variance = 0.3,
            .ratio = 1e-6,
-           .colour_ratio = 1e-4,
-           .colour_pole = 0.98,
-           .colour_damping = 1.7},
+           .ar_ratio = 1e-4,
+           .ar_pole = 0.98,
+           .ar_damping = 1.7},
           {.variance = 0.3,
            .ratio = 1e-6,
-           .colour_ratio = 1e-2,
-           .colour_pole = 0.9,
-           .colour_damping = 0.1}};
+           .ar_ratio = 1e-2,
+           .ar_pole = 0.9,
+           .ar_damping = 0.1}};
 }
 
 // Anderson and Moore, Optimal Filtering, 1979, ch. 4: of a walk in white noise

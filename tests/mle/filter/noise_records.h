@@ -7,7 +7,7 @@
 
 #include "Eigen/Core"
 #include "mle/base/random.h"
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
@@ -17,17 +17,16 @@ inline Eigen::VectorXd DrawNoise(const NoiseEstimate& noise, int samples,
   GaussianNoise walk(seed, kRunStream, kDriftDisturbance);
   GaussianNoise coloured(seed, kRunStream, kColouredDisturbance);
   GaussianNoise white(seed, kRunStream, kMeasurementNoise);
-  const bool has_colour = noise.colour_ratio > 0.0;
-  ColourSignal colour(Colour(has_colour ? noise.colour_pole : 0.0,
-                             has_colour ? noise.colour_damping : 0.0),
-                      has_colour ? noise.colour_ratio * noise.variance : 1.0,
-                      coloured);
+  const bool has_ar = noise.ar_ratio > 0.0;
+  ArSignal ar(ArComponent(has_ar ? noise.ar_pole : 0.0,
+                          has_ar ? noise.ar_damping : 0.0),
+              has_ar ? noise.ar_ratio * noise.variance : 1.0, coloured);
   Eigen::VectorXd values(samples);
   double level = 0.0;
   for (double& value : values) {
     value = level + white.Draw(std::sqrt(noise.variance));
-    if (has_colour) value += colour.value();
-    colour.Advance();
+    if (has_ar) value += ar.value();
+    ar.Advance();
     level += walk.Draw(std::sqrt(noise.increment_variance()));
   }
   return values;

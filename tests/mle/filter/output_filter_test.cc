@@ -27,16 +27,16 @@ OutputFilter FilterOf(const VectorXd& residual, const FilterOptions& options,
 NoiseEstimate LoadBehindALag() {
   return {.variance = 0.2,
           .ratio = 1e-6,
-          .colour_ratio = 2e-3,
-          .colour_pole = 0.95,
-          .colour_damping = 1.3};
+          .ar_ratio = 2e-3,
+          .ar_pole = 0.95,
+          .ar_damping = 1.3};
 }
 
 // On a record that was not seen, errors are within 5 % of the true filter's.
 TEST(OutputFilterTest, IsNearlyAsGoodAsTheTrueFilter) {
   const NoiseEstimate walk{.variance = 1.0, .ratio = 0.02};
   const NoiseEstimate first{
-      .variance = 1.0, .ratio = 1e-6, .colour_ratio = 0.3, .colour_pole = 0.9};
+      .variance = 1.0, .ratio = 1e-6, .ar_ratio = 0.3, .ar_pole = 0.9};
   for (const NoiseEstimate& noise : {walk, first, LoadBehindALag()}) {
     const OutputFilter filter = FilterOf(DrawNoise(noise, 2000, 1), {});
     ASSERT_TRUE(filter.estimated()) << filter.reason;

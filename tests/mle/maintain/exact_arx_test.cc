@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/correction/correction.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/unfitted.h"
 
@@ -139,7 +140,7 @@ TEST(ExactArxTest, RowsBesideThoseOfDeltaAreExact) {
   estimate.fit.arx_model = conversion.model;
   estimate.setting.conversion = conversion;
   estimate.setting.arx_outputs = {true, false};
-  estimate.fit.arx.emplace();
+  estimate.fit.arx = std::make_shared<const Correction>();
   const auto model = MakeCorrectedModel(estimate, true, 0.2, 400);
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_TRUE(model->arx.R.row(0) == conversion.model.R.row(0));

@@ -5,8 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/maintain/fopdt_description.h"
-#include "mle/maintain/state_space_form.h"
+#include "mle/maintain/corrected_model.h"
 
 namespace mle {
 namespace {

@@ -1,11 +1,10 @@
-#include "mle/maintain/hold_out.h"
-
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
+#include "mle/maintain/validation.h"
 #include "tests/mle/maintain/tank_records.h"
 
 namespace mle {

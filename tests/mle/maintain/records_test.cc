@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
 #include "tests/mle/maintain/tank_records.h"
 
 namespace mle {
@@ -59,7 +59,7 @@ TEST(RecordDataTest, ALeadBeginsAfterABadInput) {
   EXPECT_EQ(data.Records()[1].samples(), data.windows[1].record.samples());
 }
 
-TEST(RecordDataTest, WindowsThatAdjoinAreOneStretch) {
+TEST(RecordDataTest, WindowsThatAdjoinAreOneSegment) {
   RecordOptions options;
   options.windows.before = 90.0;
   options.windows.after = 150.0;
@@ -68,10 +68,10 @@ TEST(RecordDataTest, WindowsThatAdjoinAreOneStretch) {
   ASSERT_TRUE(Adjoin(data.windows[0], data.windows[1]));
   const std::vector<Record> windows = data.Records();
   EXPECT_EQ(windows[1].lead(), 0);
-  const Stretches stretches = JoinAdjoining(windows);
-  ASSERT_EQ(stretches.records.size(), 1u);
-  EXPECT_EQ(stretches.windows[0].first, windows[0].lead());
-  EXPECT_TRUE(Adjoin(stretches.windows[0], stretches.windows[1]));
+  const Segments segments = JoinAdjoining(windows);
+  ASSERT_EQ(segments.records.size(), 1u);
+  EXPECT_EQ(segments.windows[0].first, windows[0].lead());
+  EXPECT_TRUE(Adjoin(segments.windows[0], segments.windows[1]));
 }
 
 TEST(RecordDataTest, WithoutSetPointsThatMoveWholeRecordsAreTaken) {

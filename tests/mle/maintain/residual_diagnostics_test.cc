@@ -1,10 +1,9 @@
-#include "mle/maintain/residual_diagnostics.h"
-
 #include <cmath>
 #include <vector>
 
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
+#include "mle/maintain/validation.h"
 
 namespace mle {
 namespace {

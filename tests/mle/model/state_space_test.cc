@@ -8,6 +8,7 @@
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 
 namespace mle {

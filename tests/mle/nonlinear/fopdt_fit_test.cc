@@ -1,5 +1,3 @@
-#include "mle/nonlinear/fopdt_fit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
 #include "mle/model/transfer_function.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle {
 namespace {

@@ -25,14 +25,14 @@ MatrixXd RandomSamples(int rows, int cols) {
   return matrix;
 }
 
-// Autocovariances of the colour of `shape` from its impulse response, the
+// Autocovariances of the AR component of `shape` from its impulse response, the
 // products of powers of the poles.
 std::vector<double> Autocovariances(const NoiseShape& shape, int lags) {
   constexpr int kTerms = 20000;
-  std::complex<double> poles[2] = {shape.colour_pole, 0.0};
-  if (shape.colour_damping > 0.0) {
-    const std::complex<double> zeta = shape.colour_damping;
-    const double omega = -std::log(shape.colour_pole);
+  std::complex<double> poles[2] = {shape.ar_pole, 0.0};
+  if (shape.ar_damping > 0.0) {
+    const std::complex<double> zeta = shape.ar_damping;
+    const double omega = -std::log(shape.ar_pole);
     poles[0] = std::exp(-omega * (zeta + std::sqrt(zeta * zeta - 1.0)));
     poles[1] = std::exp(-omega * (zeta - std::sqrt(zeta * zeta - 1.0)));
   }
@@ -47,7 +47,7 @@ std::vector<double> Autocovariances(const NoiseShape& shape, int lags) {
   std::vector<double> covariances(lags);
   for (int lag = 0; lag < lags; ++lag) {
     for (int k = 0; k < kTerms; ++k) {
-      covariances[lag] += shape.colour_ratio * response[k] * response[k + lag];
+      covariances[lag] += shape.ar_ratio * response[k] * response[k + lag];
     }
   }
   return covariances;
@@ -58,13 +58,13 @@ std::vector<double> Autocovariances(const NoiseShape& shape, int lags) {
 MatrixXd Covariance(const std::vector<int>& times, const NoiseShape& shape) {
   const int n = static_cast<int>(times.size());
   MatrixXd covariance = MatrixXd::Identity(n, n);
-  const std::vector<double> colour =
+  const std::vector<double> ar =
       Autocovariances(shape, times.back() - times.front() + 1);
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
       covariance(i, k) +=
           shape.ratio * (std::min(times[i], times[k]) - times[0]) +
-          colour[std::abs(times[i] - times[k])];
+          ar[std::abs(times[i] - times[k])];
     }
   }
   return covariance;
@@ -105,26 +105,21 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         NoiseShape(), NoiseShape{.ratio = 1e-4}, NoiseShape{.ratio = 0.1},
         NoiseShape{.ratio = 1.0}, NoiseShape{.ratio = 1e4},
-        NoiseShape{.colour_ratio = 0.3, .colour_pole = 0.0},
-        NoiseShape{.colour_ratio = 2.0, .colour_pole = 0.9},
-        NoiseShape{.ratio = 0.05, .colour_ratio = 0.5, .colour_pole = 0.7},
-        NoiseShape{.ratio = 1e-6, .colour_ratio = 40.0, .colour_pole = 0.99},
+        NoiseShape{.ar_ratio = 0.3, .ar_pole = 0.0},
+        NoiseShape{.ar_ratio = 2.0, .ar_pole = 0.9},
+        NoiseShape{.ratio = 0.05, .ar_ratio = 0.5, .ar_pole = 0.7},
+        NoiseShape{.ratio = 1e-6, .ar_ratio = 40.0, .ar_pole = 0.99},
         // Two real poles, poles that are one, and a resonance.
+        NoiseShape{.ar_ratio = 0.1, .ar_pole = 0.9, .ar_damping = 2.0},
         NoiseShape{
-            .colour_ratio = 0.1, .colour_pole = 0.9, .colour_damping = 2.0},
-        NoiseShape{.ratio = 0.02,
-                   .colour_ratio = 0.1,
-                   .colour_pole = 0.8,
-                   .colour_damping = 1.0},
-        NoiseShape{.ratio = 0.02,
-                   .colour_ratio = 0.3,
-                   .colour_pole = 0.7,
-                   .colour_damping = 0.1}),
+            .ratio = 0.02, .ar_ratio = 0.1, .ar_pole = 0.8, .ar_damping = 1.0},
+        NoiseShape{
+            .ratio = 0.02, .ar_ratio = 0.3, .ar_pole = 0.7, .ar_damping = 0.1}),
     [](const auto& test) {
       const NoiseShape& s = test.param;
       return absl::StrFormat("Ratio%.0fppmColour%.0fppmPole%.0fDamping%.0f",
-                             1e6 * s.ratio, 1e6 * s.colour_ratio,
-                             100.0 * s.colour_pole, 100.0 * s.colour_damping);
+                             1e6 * s.ratio, 1e6 * s.ar_ratio, 100.0 * s.ar_pole,
+                             100.0 * s.ar_damping);
     });
 
 // Whatever the number of columns, over more than one block of rows.
@@ -255,14 +250,14 @@ TEST(InnovationsFilterTest, WhitensWhatItIsMeantFor) {
 
 // Without an offset nothing is free: products and determinant are those of the
 // whole covariance.
-class ColourWithoutOffsetTest : public ::testing::TestWithParam<double> {};
+class ArWithoutOffsetTest : public ::testing::TestWithParam<double> {};
 
-TEST_P(ColourWithoutOffsetTest, IsGeneralisedLeastSquares) {
+TEST_P(ArWithoutOffsetTest, IsGeneralisedLeastSquares) {
   const std::vector<int> times = {0, 1, 2, 5, 6, 9, 10};
   const NoiseShape shape = {.offset = false,
-                            .colour_ratio = 0.4,
-                            .colour_pole = 0.8,
-                            .colour_damping = GetParam()};
+                            .ar_ratio = 0.4,
+                            .ar_pole = 0.8,
+                            .ar_damping = GetParam()};
   const InnovationsFilter filter(times, shape);
   const MatrixXd columns = RandomSamples(7, 5);
   MatrixXd whitened = columns;
@@ -278,7 +273,7 @@ TEST_P(ColourWithoutOffsetTest, IsGeneralisedLeastSquares) {
       1e-12 * columns.col(0).norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(Dampings, ColourWithoutOffsetTest,
+INSTANTIATE_TEST_SUITE_P(Dampings, ArWithoutOffsetTest,
                          ::testing::Values(0.0, 0.3, 1.0, 3.0));
 
 TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {
@@ -303,11 +298,11 @@ TEST(InnovationsFilterTest, SettledGainsAreTheSame) {
   const MatrixXd columns = RandomSamples(rows, 2);
   for (const NoiseShape& shape :
        {NoiseShape{.ratio = 0.3}, NoiseShape{.ratio = 1e-6},
-        NoiseShape{.ratio = 0.1, .colour_ratio = 0.5, .colour_pole = 0.7},
+        NoiseShape{.ratio = 0.1, .ar_ratio = 0.5, .ar_pole = 0.7},
         NoiseShape{.ratio = 0.1,
-        .colour_ratio = 0.5,
-        .colour_pole = 0.7,
-        .colour_damping = 0.4}}) {
+        .ar_ratio = 0.5,
+        .ar_pole = 0.7,
+        .ar_damping = 0.4}}) {
     const InnovationsFilter filter(times, shape);
     const InnovationsFilter weighted(times, shape, VectorXd::Ones(rows));
     MatrixXd one = columns;

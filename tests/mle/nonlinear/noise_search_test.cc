@@ -21,9 +21,9 @@ OutputSetup Prepare(const RecordNoise& noise, unsigned seed) {
 }
 
 NoiseEstimate Estimate(const OutputSetup& setup, const NoiseEstimate& start,
-                       bool search_colour) {
+                       bool search_ar) {
   return EstimateNoise(*setup.problem, setup.start, {true, true}, start,
-                       /*estimate_drift=*/true, search_colour);
+                       /*estimate_drift=*/true, search_ar);
 }
 
 // The products that likelihoods and evidences are made of are those of the
@@ -83,7 +83,7 @@ TEST(NoiseSearchTest, NoRatioIsLikelierThanTheBest) {
            {0.0, 1e-9, LeastRatio(*setup.problem), 1e-4, 1.0, 1e5}) {
         const Profile best =
             FindBestShape(likelihood, {.ratio = start},
-                          /*estimate_drift=*/true, /*search_colour=*/false);
+                          /*estimate_drift=*/true, /*search_ar=*/false);
         EXPECT_LT(best.value, least + 0.01)
             << increment << ", " << likelihood.width() << " columns, from "
             << start << ": " << best.shape.ratio;
@@ -95,19 +95,19 @@ TEST(NoiseSearchTest, NoRatioIsLikelierThanTheBest) {
 
 // At the true parameters; with 2,900 samples r and s are known to about 10 %
 // and 15 %, 1 − φ to 20 %. Four such deviations.
-TEST(NoiseSearchTest, FindsAColour) {
+TEST(NoiseSearchTest, FindsAnArComponent) {
   for (const double pole : {0.8, 0.95}) {
     const OutputSetup setup =
         Prepare({.variance = 0.01, .shock = 0.01, .pole = pole}, 1);
     const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
     EXPECT_NEAR(noise.variance, 0.01, 0.004);
-    EXPECT_NEAR(noise.colour_ratio * noise.variance, 0.01, 0.006);
-    EXPECT_NEAR((1.0 - noise.colour_pole) / (1.0 - pole), 1.0, 0.6);
-    EXPECT_EQ(noise.colour_damping, 0.0);
-    // The walk that is left: less than the colour's deviation over a record.
-    EXPECT_LT(1500.0 * noise.increment_variance(), noise.colour_variance());
-    EXPECT_NEAR(noise.colour_memory(), -1.0 / std::log(noise.colour_pole),
-                1e-9);
+    EXPECT_NEAR(noise.ar_ratio * noise.variance, 0.01, 0.006);
+    EXPECT_NEAR((1.0 - noise.ar_pole) / (1.0 - pole), 1.0, 0.6);
+    EXPECT_EQ(noise.ar_damping, 0.0);
+    // The walk that is left: less than the AR component's deviation over a
+    // record.
+    EXPECT_LT(1500.0 * noise.increment_variance(), noise.ar_variance());
+    EXPECT_NEAR(noise.ar_memory(), -1.0 / std::log(noise.ar_pole), 1e-9);
     for (const int i : {1, 2}) {
       EXPECT_GT(noise.log_deviations[i], 0.02);
       EXPECT_LT(noise.log_deviations[i], 0.5);
@@ -116,14 +116,14 @@ TEST(NoiseSearchTest, FindsAColour) {
 }
 
 // Twice the logarithm of the number of samples has to be gained: of twenty
-// records without colour not one is given it.
+// records without an AR component not one is given it.
 TEST(NoiseSearchTest, WhiteNoiseAndDriftStayWhatTheyAre) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const double increment = seed % 2 == 0 ? 0.0 : 1e-4;
     const OutputSetup setup =
         Prepare({.variance = 0.01, .increment = increment}, seed);
     const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
-    EXPECT_EQ(noise.colour_ratio, 0.0) << seed;
+    EXPECT_EQ(noise.ar_ratio, 0.0) << seed;
     EXPECT_EQ(noise.log_deviations[1], 0.0);
     EXPECT_NEAR(noise.variance, 0.01, 0.0015);
   }
@@ -137,15 +137,14 @@ TEST(NoiseSearchTest, FindsALoad) {
     const OutputSetup setup = Prepare(
         {.variance = 0.0025, .shock = 0.01, .pole = 0.97, .lag = lag}, seed);
     const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
-    ASSERT_GT(noise.colour_damping, 0.0) << seed;
+    ASSERT_GT(noise.ar_damping, 0.0) << seed;
     EXPECT_NEAR(noise.variance, 0.0025, 0.0005);
-    EXPECT_NEAR(noise.colour_memory() / std::sqrt(8.0 / -std::log(0.97)), 1.0,
-                0.5);
-    EXPECT_GT(noise.colour_damping, 0.6);
+    EXPECT_NEAR(noise.ar_memory() / std::sqrt(8.0 / -std::log(0.97)), 1.0, 0.5);
+    EXPECT_GT(noise.ar_damping, 0.6);
     // Of (1 − ψ) η behind the lag.
-    EXPECT_NEAR(noise.colour_ratio * noise.variance /
-                    (0.01 * (1.0 - lag) * (1.0 - lag)),
-                1.0, 0.7);
+    EXPECT_NEAR(
+        noise.ar_ratio * noise.variance / (0.01 * (1.0 - lag) * (1.0 - lag)),
+        1.0, 0.7);
     for (const int i : {1, 2, 3}) {
       EXPECT_GT(noise.log_deviations[i], 0.01);
       EXPECT_LT(noise.log_deviations[i], 1.0);
@@ -165,8 +164,8 @@ TEST_P(NoiseSearchEndTest, IsAMaximumAndStays) {
                                      .lag = GetParam()},
                                     3);
   const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
-  ASSERT_GT(noise.colour_ratio, 0.0);
-  EXPECT_EQ(noise.colour_damping > 0.0, GetParam() > 0.0);
+  ASSERT_GT(noise.ar_ratio, 0.0);
+  EXPECT_EQ(noise.ar_damping > 0.0, GetParam() > 0.0);
   const NoiseShape shape = ShapeOf(noise);
   const ShapeLikelihood likelihood(*setup.problem, setup.start, {true, true},
                                    shape, /*restricted=*/true);
@@ -179,18 +178,18 @@ TEST_P(NoiseSearchEndTest, IsAMaximumAndStays) {
     }
   }
   const NoiseEstimate again = Estimate(setup, noise, false);
-  EXPECT_EQ(again.colour_ratio, noise.colour_ratio);
-  EXPECT_EQ(again.colour_pole, noise.colour_pole);
-  EXPECT_EQ(again.colour_damping, noise.colour_damping);
+  EXPECT_EQ(again.ar_ratio, noise.ar_ratio);
+  EXPECT_EQ(again.ar_pole, noise.ar_pole);
+  EXPECT_EQ(again.ar_damping, noise.ar_damping);
   EXPECT_EQ(again.ratio, noise.ratio);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lags, NoiseSearchEndTest, ::testing::Values(0.0, 0.8));
 
-TEST(NoiseSearchTest, ColourIsNotSoughtUnasked) {
+TEST(NoiseSearchTest, ArComponentIsNotSoughtUnasked) {
   const OutputSetup setup =
       Prepare({.variance = 0.01, .shock = 0.01, .pole = 0.9}, 4);
-  EXPECT_EQ(Estimate(setup, NoiseEstimate(), false).colour_ratio, 0.0);
+  EXPECT_EQ(Estimate(setup, NoiseEstimate(), false).ar_ratio, 0.0);
 }
 
 }  // namespace

@@ -16,12 +16,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const NoiseShape kCostShapes[] = {{.ratio = 0.0, .offset = false},
-                                  {.ratio = 1e-3},
-                                  {.ratio = 0.01,
-                                   .colour_ratio = 0.3,
-                                   .colour_pole = 0.8,
-                                   .colour_damping = 0.4}};
+const NoiseShape kCostShapes[] = {
+    {.ratio = 0.0, .offset = false},
+    {.ratio = 1e-3},
+    {.ratio = 0.01, .ar_ratio = 0.3, .ar_pole = 0.8, .ar_damping = 0.4}};
 
 // What Ceres is given at a point: residuals and the Jacobian of all blocks.
 struct Evaluation {

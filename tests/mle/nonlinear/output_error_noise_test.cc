@@ -19,15 +19,15 @@ NoiseEstimate NoiseOf(const RecordNoise& of) {
       .variance = of.variance,
       .ratio = of.increment / of.variance,
       .offset = of.increment > 0.0 || of.offset != 0.0 || of.shock > 0.0,
-      .colour_ratio = of.shock / of.variance,
-      .colour_pole = of.pole};
+      .ar_ratio = of.shock / of.variance,
+      .ar_pole = of.pole};
   if (of.lag > 0.0) {
     const double slow = -1.0 / std::log(of.pole);
     const double fast = -1.0 / std::log(of.lag);
     const double natural = std::sqrt(slow * fast);
-    noise.colour_ratio *= (1.0 - of.lag) * (1.0 - of.lag);
-    noise.colour_pole = std::exp(-1.0 / natural);
-    noise.colour_damping = 0.5 * (slow + fast) / natural;
+    noise.ar_ratio *= (1.0 - of.lag) * (1.0 - of.lag);
+    noise.ar_pole = std::exp(-1.0 / natural);
+    noise.ar_damping = 0.5 * (slow + fast) / natural;
   }
   return noise;
 }

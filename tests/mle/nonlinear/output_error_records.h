@@ -71,8 +71,8 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
   Eigen::VectorXd level = Eigen::VectorXd::Zero(p);
   Eigen::VectorXd input = Eigen::VectorXd::Zero(m);
   // Random numbers of its own: other noise is the same with and without.
-  std::mt19937_64 colour_engine(seed + 1000);
-  Eigen::VectorXd colour = Eigen::VectorXd::Zero(p);
+  std::mt19937_64 ar_engine(seed + 1000);
+  Eigen::VectorXd ar = Eigen::VectorXd::Zero(p);
   Eigen::VectorXd lagged = Eigen::VectorXd::Zero(p);
   for (int k = -before; k < samples; ++k) {
     for (int j = 0; j < m; ++j) {
@@ -87,9 +87,8 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
                                noise.offset + white + lagged(i) + sine;
       }
       if (noise.shock > 0.0) {
-        colour(i) = noise.pole * colour(i) +
-                    std::sqrt(noise.shock) * normal(colour_engine);
-        lagged(i) = noise.lag * lagged(i) + (1.0 - noise.lag) * colour(i);
+        ar(i) = noise.pole * ar(i) + std::sqrt(noise.shock) * normal(ar_engine);
+        lagged(i) = noise.lag * lagged(i) + (1.0 - noise.lag) * ar(i);
       }
       level(i) += std::sqrt(noise.increment) * normal(engine);
     }

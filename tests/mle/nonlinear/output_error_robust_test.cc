@@ -79,7 +79,7 @@ Outcome FitAll(const std::vector<std::vector<Record>>& runs, RobustLoss loss) {
     if (loss != RobustLoss::kNone) {
       EXPECT_LT(fit->full.certificates[0].gradient, 1e-2);
       EXPECT_LE(fit->full.certificates[0].weight_change, 1e-3);
-      EXPECT_GT(fit->full.spared_samples[0], 5);
+      EXPECT_GT(fit->full.down_weighted_samples[0], 5);
     }
   }
   return outcome;

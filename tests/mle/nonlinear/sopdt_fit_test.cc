@@ -1,11 +1,10 @@
-#include "mle/nonlinear/sopdt_fit.h"
-
 #include <cmath>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/model/transfer_function.h"
+#include "mle/nonlinear/low_order_fit.h"
 
 namespace mle {
 namespace {

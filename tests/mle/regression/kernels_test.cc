@@ -70,37 +70,35 @@ TEST_P(KernelsTest, FiltersRowsOfAnyWidth) {
   const Eigen::MatrixXd steps = RandomMatrix(6, count, random_) * 0.3;
   const Eigen::VectorXd gains = steps.row(0);
   const Eigen::VectorXd roots = steps.row(1);
-  const Eigen::MatrixXd colour = steps.bottomRows(4);
+  const Eigen::MatrixXd ar = steps.bottomRows(4);
   const double spread = 0.7;
   for (const int width : kSizes) {
-    for (const bool coloured : {false, true}) {
+    for (const bool has_ar : {false, true}) {
       // A row is a column here; behind each there is a number that is not its.
       const Eigen::MatrixXd rows = RandomMatrix(width + 1, count, random_);
       const Eigen::MatrixXd before = RandomMatrix(width, 3, random_);
       Eigen::MatrixXd filtered = rows;
       Eigen::MatrixXd state = before;
-      kernels().filter_rows({gains.data(), roots.data(),
-                             coloured ? colour.data() : nullptr, spread},
-                            count, filtered.data(), width + 1, width,
-                            state.data());
+      kernels().filter_rows(
+          {gains.data(), roots.data(), has_ar ? ar.data() : nullptr, spread},
+          count, filtered.data(), width + 1, width, state.data());
       for (int c = 0; c < width; ++c) {
         double w = before(c, 0);
-        double a = coloured ? before(c, 1) : 0.0;
-        double b = coloured ? before(c, 2) : 0.0;
+        double a = has_ar ? before(c, 1) : 0.0;
+        double b = has_ar ? before(c, 2) : 0.0;
         for (int k = 0; k < count; ++k) {
           const double innovation = rows(c, k) - w - a;
           EXPECT_NEAR(filtered(c, k), innovation * roots(k), 1e-12);
           w += gains(k) * innovation;
-          if (!coloured) continue;
+          if (!has_ar) continue;
           const double next =
-              colour(0, k) * a + colour(1, k) * b + colour(2, k) * innovation;
-          b = spread * colour(1, k) * a + colour(0, k) * b +
-              colour(3, k) * innovation;
+              ar(0, k) * a + ar(1, k) * b + ar(2, k) * innovation;
+          b = spread * ar(1, k) * a + ar(0, k) * b + ar(3, k) * innovation;
           a = next;
         }
         EXPECT_NEAR(state(c, 0), w, 1e-12);
-        EXPECT_NEAR(state(c, 1), coloured ? a : before(c, 1), 1e-12);
-        EXPECT_NEAR(state(c, 2), coloured ? b : before(c, 2), 1e-12);
+        EXPECT_NEAR(state(c, 1), has_ar ? a : before(c, 1), 1e-12);
+        EXPECT_NEAR(state(c, 2), has_ar ? b : before(c, 2), 1e-12);
       }
       EXPECT_EQ(filtered.row(width), rows.row(width));
     }

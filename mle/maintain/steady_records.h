@@ -1,5 +1,5 @@
-// The parts of records at rest that tell the noise of routine operation.
-// Internal to mle/maintain.
+// The parts of records outside of windows in which operation is steady, from
+// which the noise is estimated. Internal to mle/maintain.
 //
 // The records outside of windows are taken for noise. Where the plant was shut
 // down, or run by hand far from its operating point, the model says nothing and
@@ -13,8 +13,8 @@
 // are records of their own. A step of an unmeasured disturbance as large as 35
 // standard deviations of white noise stays.
 
-#ifndef MLE_MAINTAIN_USUAL_REST_H_
-#define MLE_MAINTAIN_USUAL_REST_H_
+#ifndef MLE_MAINTAIN_STEADY_RECORDS_H_
+#define MLE_MAINTAIN_STEADY_RECORDS_H_
 
 #include <utility>
 #include <vector>
@@ -25,7 +25,7 @@
 
 namespace mle {
 
-struct RestParts {
+struct SteadyRecords {
   std::vector<Record> usual;
   // Times of the first and the last sample of what is left out.
   std::vector<std::pair<double, double>> left_out;
@@ -34,9 +34,9 @@ struct RestParts {
 // Nothing is left out where there are fewer than ten blocks in all, which say
 // little of what is usual. InvalidArgument for a model that cannot be
 // simulated. Operations: samples times elements.
-absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
-                                     std::vector<Record> rest);
+absl::StatusOr<SteadyRecords> FindSteadyRecords(const ProcessModel& model,
+                                                std::vector<Record> rest);
 
 }  // namespace mle
 
-#endif  // MLE_MAINTAIN_USUAL_REST_H_
+#endif  // MLE_MAINTAIN_STEADY_RECORDS_H_

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace mle {
 
-Colour::Colour(double pole, double damping)
+ArComponent::ArComponent(double pole, double damping)
     : second_order_(damping > 0.0), centre_(pole), gap_(1.0 - pole) {
   CHECK(pole >= 0.0 && pole < 1.0);
   CHECK(damping >= 0.0 && std::isfinite(damping));
@@ -40,7 +40,7 @@ Colour::Colour(double pole, double damping)
   }
 }
 
-Colour::Power Colour::After(int steps) const {
+ArComponent::Power ArComponent::After(int steps) const {
   if (!second_order_) {
     return {.own = steps == 1 ? centre_ : std::pow(centre_, steps)};
   }
@@ -59,7 +59,7 @@ Colour::Power Colour::After(int steps) const {
 
 // γ_0 = s (1 + q)/((1 − q) (1 − p₁)(1 − p₂) (1 + p₁)(1 + p₂)) with q = p₁p₂,
 // γ_1 = γ_0 2μ/(1 + q), and b_k = a_{k+1} − μ a_k.
-Colour::Covariance Colour::Stationary() const {
+ArComponent::Covariance ArComponent::Stationary() const {
   if (!second_order_) return {.aa = 1.0 / (gap_ * (1.0 + centre_))};
   const double square = centre_ * centre_;
   const double q = square - spread_;
@@ -73,14 +73,14 @@ Colour::Covariance Colour::Stationary() const {
   return of;
 }
 
-ColourSignal::ColourSignal(const Colour& colour, double shock_variance,
-                           GaussianNoise& random)
-    : step_(colour.After(1)),
-      spread_(colour.spread()),
-      second_order_(colour.order() == 2),
+ArSignal::ArSignal(const ArComponent& ar, double shock_variance,
+                   GaussianNoise& random)
+    : step_(ar.After(1)),
+      spread_(ar.spread()),
+      second_order_(ar.order() == 2),
       deviation_(std::sqrt(shock_variance)),
       random_(random) {
-  const Colour::Covariance start = colour.Stationary();
+  const ArComponent::Covariance start = ar.Stationary();
   a_ = random_.Draw(deviation_ * std::sqrt(start.aa));
   if (!second_order_) return;
   const double slope = start.ab / start.aa;
@@ -89,7 +89,7 @@ ColourSignal::ColourSignal(const Colour& colour, double shock_variance,
                     std::sqrt(std::max(start.bb - slope * start.ab, 0.0)));
 }
 
-void ColourSignal::Advance() {
+void ArSignal::Advance() {
   const double shock = random_.Draw(deviation_);
   const double a = step_.own * a_ + step_.cross * b_;
   if (second_order_) {

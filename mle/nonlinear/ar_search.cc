@@ -1,4 +1,4 @@
-#include "mle/nonlinear/colour_search.h"
+#include "mle/nonlinear/ar_search.h"
 
 #include <algorithm>
 #include <array>
@@ -8,20 +8,20 @@
 namespace mle {
 namespace {
 
-// −1/ln φ of the fastest colour, in samples: below, it is white.
+// −1/ln φ of the fastest AR component, in samples: below, it is white.
 constexpr double kShortestMemory = 0.8;
 constexpr double kLongestShare = 1.0 / 3.0;  // of the shortest segment
 constexpr double kSlowestPole = 3.0;  // in shortest segments, behind a lag
 // ζ below is a periodic line.
-constexpr double kLeastColourDamping = 0.03;
+constexpr double kLeastArDamping = 0.03;
 // The coarse grid: factors of time constants, steps of ln σ.
 constexpr double kMemoryStep = 4.0;
 constexpr double kResonanceStep = 2.5;
 constexpr double kResonanceDamping = 0.25;
-constexpr double kColourStep = 2.5;
+constexpr double kArStep = 2.5;
 // The least ratio of the AR component's stationary variance to that of the
 // white part; places of the grid above it.
-constexpr double kLeastColour = 0.02;
+constexpr double kLeastAr = 0.02;
 constexpr int kFirstPlace = 1;
 constexpr int kLastPlace = 7;
 constexpr double kFirstStep = 1.0;
@@ -44,18 +44,18 @@ bool Better(const Vertex& a, const Vertex& b) {
   return a.profile.value < b.profile.value;
 }
 
-class ColourSearch {
+class ArSearch {
  public:
-  ColourSearch(const ShapeLikelihood& likelihood, int order)
+  ArSearch(const ShapeLikelihood& likelihood, int order)
       : likelihood_(likelihood),
         segment_(likelihood.problem().shortest_segment()),
         longest_(std::max(kLongestShare * segment_, kShortestMemory)),
         order_(order) {}
 
   // The best of the grid: without a walk, and with one as in `walk`, the best
-  // without colour. For given poles −2 ln L has one minimum in σ: none beyond
-  // the least σ if that is worse than no colour, or else sought from where the
-  // poles before had theirs.
+  // without an AR component. For given poles −2 ln L has one minimum in σ: none
+  // beyond the least σ if that is worse than no AR component, or else sought
+  // from where the poles before had theirs.
   Profile OfGrid(const Profile& walk) const {
     std::vector<Profile> without = {
         walk.shape.ratio > 0.0 ? likelihood_.At(NoiseShape()) : walk};
@@ -73,8 +73,8 @@ class ColourSearch {
     return best;
   }
 
-  // The simplex from `start`, whose colour is positive, and the end without a
-  // walk.
+  // The simplex from `start`, whose AR component is positive, and the end
+  // without a walk.
   Profile From(const Profile& start, double step) const {
     std::vector<Vertex> simplex = FirstSimplex(start, step);
     const int n = order_ + 2;
@@ -100,7 +100,7 @@ class ColourSearch {
     std::vector<NoiseShape> shapes;
     for (double memory = kShortestMemory; memory <= longest_ * (1.0 + 1e-9);
          memory *= kMemoryStep) {
-      shapes.push_back({.colour_pole = PoleOf(memory)});
+      shapes.push_back({.ar_pole = PoleOf(memory)});
     }
     return shapes;
   }
@@ -113,23 +113,23 @@ class ColourSearch {
       for (const double t : {kMemoryStep * lag, kSlowestPole * segment_}) {
         const double memory = std::sqrt(lag * t);
         if (memory > longest_) continue;
-        shapes.push_back({.colour_pole = PoleOf(memory),
-                          .colour_damping = 0.5 * (lag + t) / memory});
+        shapes.push_back({.ar_pole = PoleOf(memory),
+                          .ar_damping = 0.5 * (lag + t) / memory});
       }
     }
     for (double memory = kResonanceStep * kShortestMemory; memory <= longest_;
          memory *= kResonanceStep) {
       shapes.push_back(
-          {.colour_pole = PoleOf(memory), .colour_damping = kResonanceDamping});
+          {.ar_pole = PoleOf(memory), .ar_damping = kResonanceDamping});
     }
     return shapes;
   }
 
-  // With these poles, the stationary variance kLeastColour e^(2.5 place) of the
+  // With these poles, the stationary variance kLeastAr e^(2.5 place) of the
   // white part's.
   Profile At(NoiseShape shape, int place) const {
-    shape.colour_ratio = kLeastColour / shape.colour().Stationary().aa *
-                         std::exp(kColourStep * place);
+    shape.ar_ratio =
+        kLeastAr / shape.ar().Stationary().aa * std::exp(kArStep * place);
     return likelihood_.At(shape);
   }
 
@@ -156,15 +156,15 @@ class ColourSearch {
     x[2] = std::clamp(x[2], std::log(kShortestMemory), std::log(longest_));
     const double memory = std::exp(x[2]);
     NoiseShape shape = {.ratio = std::exp(x[0]),
-                        .colour_ratio = std::exp(x[1]),
-                        .colour_pole = PoleOf(memory)};
+                        .ar_ratio = std::exp(x[1]),
+                        .ar_pole = PoleOf(memory)};
     if (order_ == 2) {
       // The slow pole's time constant over the natural one, above 1.
       const double slowest =
           std::min(kSlowestPole * segment_ / memory, memory / kShortestMemory);
       const double most = slowest > 1.0 ? 0.5 * (slowest + 1.0 / slowest) : 1.0;
-      x[3] = std::clamp(x[3], std::log(kLeastColourDamping), std::log(most));
-      shape.colour_damping = std::exp(x[3]);
+      x[3] = std::clamp(x[3], std::log(kLeastArDamping), std::log(most));
+      shape.ar_damping = std::exp(x[3]);
     }
     return {x, likelihood_.At(shape)};
   }
@@ -172,10 +172,10 @@ class ColourSearch {
   std::vector<Vertex> FirstSimplex(const Profile& start, double step) const {
     const NoiseShape& shape = start.shape;
     // A walk too small to matter still has a slope.
-    const double ratio = std::max(shape.ratio, 1e-3 * shape.colour_ratio);
-    LogShape x = {std::log(ratio), std::log(shape.colour_ratio),
-                  std::log(MemoryOf(shape.colour_pole)), 0.0};
-    if (order_ == 2) x[3] = std::log(shape.colour_damping);
+    const double ratio = std::max(shape.ratio, 1e-3 * shape.ar_ratio);
+    LogShape x = {std::log(ratio), std::log(shape.ar_ratio),
+                  std::log(MemoryOf(shape.ar_pole)), 0.0};
+    if (order_ == 2) x[3] = std::log(shape.ar_damping);
     std::vector<Vertex> simplex = {AtLog(x)};
     for (int i = 0; i < order_ + 2; ++i) {
       LogShape moved = x;
@@ -232,20 +232,19 @@ class ColourSearch {
 
 }  // namespace
 
-Profile FindBestColour(const ShapeLikelihood& likelihood, int order,
-                       const Profile& walk) {
-  const ColourSearch search(likelihood, order);
+Profile FindBestAr(const ShapeLikelihood& likelihood, int order,
+                   const Profile& walk) {
+  const ArSearch search(likelihood, order);
   const Profile start = search.OfGrid(walk);
-  if (!start.shape.coloured()) return start;
+  if (!start.shape.has_ar()) return start;
   if (!(start.value < walk.value - kPromise)) return start;
   return search.From(start, kFirstStep);
 }
 
-Profile ContinueColour(const ShapeLikelihood& likelihood,
-                       const NoiseShape& start) {
+Profile ContinueAr(const ShapeLikelihood& likelihood, const NoiseShape& start) {
   const Profile former = likelihood.At(start);
   const Profile moved =
-      ColourSearch(likelihood, start.colour().order()).From(former, kLocalStep);
+      ArSearch(likelihood, start.ar().order()).From(former, kLocalStep);
   return moved.value < former.value - kNoGain ? moved : former;
 }
 

@@ -1,26 +1,16 @@
-// How far a run is, told to a callback that may end it.
+// A stage of a run, which reports its progress. Internal to this project.
 
-#ifndef MLE_MAINTAIN_PROGRESS_H_
-#define MLE_MAINTAIN_PROGRESS_H_
+#ifndef MLE_MAINTAIN_STAGE_H_
+#define MLE_MAINTAIN_STAGE_H_
 
-#include <functional>
 #include <mutex>
 #include <string>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "mle/maintain/message.h"
 
 namespace mle {
-
-struct RunProgress {
-  std::string stage;      // "fitting 4 windows"
-  double fraction = 0.0;  // of the stage, in [0, 1]
-};
-
-// Called at the begin of each stage (fraction 0) and, where it has several
-// parts, after each of them; one call at a time, on any thread. False ends the
-// run with absl::CancelledError. May be empty.
-using ProgressCallback = std::function<bool(const RunProgress& progress)>;
 
 // One stage of `total` parts. Done() may be called from any thread.
 class Stage {
@@ -65,4 +55,4 @@ class Stage {
 
 }  // namespace mle
 
-#endif  // MLE_MAINTAIN_PROGRESS_H_
+#endif  // MLE_MAINTAIN_STAGE_H_

@@ -15,18 +15,18 @@
 // N² = D, so that every power of F is m + c N with numbers m and c; for real
 // poles no entry is negative, and no digits are lost.
 
-#ifndef MLE_NONLINEAR_COLOUR_H_
-#define MLE_NONLINEAR_COLOUR_H_
+#ifndef MLE_NONLINEAR_AR_COMPONENT_H_
+#define MLE_NONLINEAR_AR_COMPONENT_H_
 
 #include "Eigen/Core"
 #include "mle/base/random.h"
 
 namespace mle {
 
-class Colour {
+class ArComponent {
  public:
   // φ in [0, 1); ζ ≥ 0, finite. White noise by default.
-  explicit Colour(double pole = 0.0, double damping = 0.0);
+  explicit ArComponent(double pole = 0.0, double damping = 0.0);
 
   int order() const { return second_order_ ? 2 : 1; }
   double spread() const { return spread_; }  // D; 0 of first order
@@ -54,16 +54,15 @@ class Colour {
 };
 
 // Draws a_0, a_1, … with shocks of variance s.
-class ColourSignal {
+class ArSignal {
  public:
-  ColourSignal(const Colour& colour, double shock_variance,
-               GaussianNoise& random);
+  ArSignal(const ArComponent& ar, double shock_variance, GaussianNoise& random);
 
   double value() const { return a_; }
   void Advance();
 
  private:
-  Colour::Power step_;
+  ArComponent::Power step_;
   double spread_ = 0.0;
   bool second_order_ = false;
   double deviation_ = 0.0;
@@ -74,4 +73,4 @@ class ColourSignal {
 
 }  // namespace mle
 
-#endif  // MLE_NONLINEAR_COLOUR_H_
+#endif  // MLE_NONLINEAR_AR_COMPONENT_H_

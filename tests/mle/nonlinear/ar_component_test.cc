@@ -1,4 +1,4 @@
-#include "mle/nonlinear/colour.h"
+#include "mle/nonlinear/ar_component.h"
 
 #include <cmath>
 #include <complex>
@@ -18,22 +18,22 @@ struct Case {
   double damping;
 };
 
-class ColourTest : public ::testing::TestWithParam<Case> {
+class ArComponentTest : public ::testing::TestWithParam<Case> {
  protected:
-  ColourTest() : colour_(GetParam().pole, GetParam().damping) {}
+  ArComponentTest() : ar_(GetParam().pole, GetParam().damping) {}
 
   Matrix2d Transition(int steps) const {
-    const Colour::Power power = colour_.After(steps);
+    const ArComponent::Power power = ar_.After(steps);
     Matrix2d F;
-    F << power.own, power.cross, colour_.spread() * power.cross, power.own;
+    F << power.own, power.cross, ar_.spread() * power.cross, power.own;
     return F;
   }
 
-  Colour colour_;
+  ArComponent ar_;
 };
 
 // Its poles are those of the definition.
-TEST_P(ColourTest, Poles) {
+TEST_P(ArComponentTest, Poles) {
   const double omega = -std::log(GetParam().pole);
   const std::complex<double> zeta = GetParam().damping;
   const std::complex<double> root = std::sqrt(zeta * zeta - 1.0);
@@ -43,7 +43,7 @@ TEST_P(ColourTest, Poles) {
   EXPECT_NEAR(Transition(1).determinant(), (p1 * p2).real(), 1e-14);
 }
 
-TEST_P(ColourTest, PowersAreProducts) {
+TEST_P(ArComponentTest, PowersAreProducts) {
   Matrix2d product = Matrix2d::Identity();
   for (int steps = 0; steps <= 13; ++steps) {
     EXPECT_LT((Transition(steps) - product).norm(), 1e-13) << steps;
@@ -52,8 +52,8 @@ TEST_P(ColourTest, PowersAreProducts) {
 }
 
 // P = F P Fᵀ + diag(0, 1).
-TEST_P(ColourTest, IsStationary) {
-  const Colour::Covariance unit = colour_.Stationary();
+TEST_P(ArComponentTest, IsStationary) {
+  const ArComponent::Covariance unit = ar_.Stationary();
   Matrix2d P;
   P << unit.aa, unit.ab, unit.ab, unit.bb;
   const Matrix2d next = Transition(1) * P * Transition(1).transpose() +
@@ -65,23 +65,23 @@ TEST_P(ColourTest, IsStationary) {
 
 // Drawn from the start on: the variance is the stationary one. Its estimate
 // from 4,000 independent starts has a relative deviation of 0.022; four of it.
-TEST_P(ColourTest, SignalsHaveTheVariance) {
+TEST_P(ArComponentTest, SignalsHaveTheVariance) {
   GaussianNoise random(1, 2);
   double first = 0.0;
   double later = 0.0;
   const int starts = 4000;
   for (int i = 0; i < starts; ++i) {
-    ColourSignal signal(colour_, 0.3, random);
+    ArSignal signal(ar_, 0.3, random);
     first += signal.value() * signal.value();
     for (int k = 0; k < 3; ++k) signal.Advance();
     later += signal.value() * signal.value();
   }
-  const double variance = 0.3 * colour_.Stationary().aa;
+  const double variance = 0.3 * ar_.Stationary().aa;
   EXPECT_NEAR(first / starts / variance, 1.0, 0.09);
   EXPECT_NEAR(later / starts / variance, 1.0, 0.09);
 }
 
-INSTANTIATE_TEST_SUITE_P(Dampings, ColourTest,
+INSTANTIATE_TEST_SUITE_P(Dampings, ArComponentTest,
                          ::testing::Values(Case{0.8, 0.1}, Case{0.9, 1.0},
                                            Case{0.9, 4.0}, Case{0.99, 1.5},
                                            Case{0.3, 0.7}),
@@ -91,15 +91,15 @@ INSTANTIATE_TEST_SUITE_P(Dampings, ColourTest,
                                                   100.0 * test.param.damping);
                          });
 
-TEST(ColourTest, FirstOrder) {
-  const Colour colour(0.9);
-  EXPECT_EQ(colour.order(), 1);
-  EXPECT_EQ(colour.After(1).own, 0.9);
-  EXPECT_NEAR(colour.After(3).own, 0.729, 1e-15);
-  EXPECT_NEAR(colour.Stationary().aa, 1.0 / 0.19, 1e-12);
+TEST(ArComponentTest, FirstOrder) {
+  const ArComponent ar(0.9);
+  EXPECT_EQ(ar.order(), 1);
+  EXPECT_EQ(ar.After(1).own, 0.9);
+  EXPECT_NEAR(ar.After(3).own, 0.729, 1e-15);
+  EXPECT_NEAR(ar.Stationary().aa, 1.0 / 0.19, 1e-12);
   GaussianNoise random(1, 2);
   double squares = 0.0;
-  ColourSignal signal(colour, 0.19, random);
+  ArSignal signal(ar, 0.19, random);
   for (int k = 0; k < 100000; ++k, signal.Advance()) {
     squares += signal.value() * signal.value();
   }

@@ -4,8 +4,8 @@
 // before ends a sample earlier, they are known: a model's response goes on from
 // one to the next, and nothing has to be estimated, or left out, at its begin.
 
-#ifndef MLE_DATA_STRETCHES_H_
-#define MLE_DATA_STRETCHES_H_
+#ifndef MLE_DATA_SEGMENTS_H_
+#define MLE_DATA_SEGMENTS_H_
 
 #include <vector>
 
@@ -13,28 +13,28 @@
 
 namespace mle {
 
-// Where a window lies in the stretches, without its lead.
-struct StretchPart {
-  int stretch = 0;
+// Where a window lies in the segments, without its lead.
+struct SegmentPart {
+  int segment = 0;
   int first = 0;  // sample
   int samples = 0;
 };
 
 // `after` begins with the sample after the last one of `before`.
-bool Adjoin(const StretchPart& before, const StretchPart& after);
+bool Adjoin(const SegmentPart& before, const SegmentPart& after);
 
-struct Stretches {
+struct Segments {
   std::vector<Record> records;
-  std::vector<StretchPart> windows;  // one for each window
+  std::vector<SegmentPart> windows;  // one for each window
 
-  // The window of a stretch that holds `time`.
-  int WindowAt(int stretch, double time) const;
+  // The window of a segment that holds `time`.
+  int WindowAt(int segment, double time) const;
 };
 
 // In order of the windows. Windows are joined where the next one begins one
 // sample after the last ends and both have set points or neither has.
-Stretches JoinAdjoining(const std::vector<Record>& windows);
+Segments JoinAdjoining(const std::vector<Record>& windows);
 
 }  // namespace mle
 
-#endif  // MLE_DATA_STRETCHES_H_
+#endif  // MLE_DATA_SEGMENTS_H_

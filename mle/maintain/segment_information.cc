@@ -1,4 +1,4 @@
-#include "mle/maintain/stretch_information.h"
+#include "mle/maintain/segment_information.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,25 +19,25 @@ using Eigen::VectorXd;
 // Where an element has more than this share of all information on it, more of
 // it counts less.
 constexpr double kLittle = 1e-3;
-constexpr double kSettlingTimes = 4.0;  // of the shortest stretch
+constexpr double kSettlingTimes = 4.0;  // of the shortest segment
 
 }  // namespace
 
-int ShortestStretch(const ProcessModel& model, double sample_time) {
+int ShortestSegment(const ProcessModel& model, double sample_time) {
   const double samples = kSettlingTimes * SettlingTime(model) / sample_time;
   return static_cast<int>(std::clamp(std::ceil(samples), 2.0, 1e9));
 }
 
-absl::StatusOr<StretchInformation> InformationIn(const Record& stretch,
+absl::StatusOr<SegmentInformation> InformationIn(const Record& segment,
                                                  const ProcessModel& model) {
-  const std::vector<Record> whole = {WithoutGaps(stretch)};
+  const std::vector<Record> whole = {WithoutGaps(segment)};
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
                        ElementResponses::Create(model, whole));
-  std::vector<int> times(stretch.samples());
+  std::vector<int> times(segment.samples());
   std::iota(times.begin(), times.end(), 0);
   const InnovationsFilter filter(times, {.ratio = kExpectedDriftRatio});
   const VectorXd measured =  // a_wi
-      stretch.outputs.array().isFinite().cast<double>().rowwise().mean();
+      segment.outputs.array().isFinite().cast<double>().rowwise().mean();
   std::vector<double> information;
   for (int j = 0; j < model.num_inputs(); ++j) {
     MatrixXd whitened = responses.Of(j)[0];
@@ -49,35 +49,35 @@ absl::StatusOr<StretchInformation> InformationIn(const Record& stretch,
       information.push_back(std::isfinite(squares) ? squares : 0.0);
     }
   }
-  return StretchInformation{
+  return SegmentInformation{
       Eigen::Map<const VectorXd>(information.data(),
                                  static_cast<Index>(information.size())),
-      stretch.samples()};
+      segment.samples()};
 }
 
-std::vector<bool> ChooseStretches(
-    const std::vector<StretchInformation>& stretches, const VectorXd& all,
+std::vector<bool> ChooseSegments(
+    const std::vector<SegmentInformation>& segments, const VectorXd& all,
     int most_samples) {
   VectorXd sum = (kLittle * all).cwiseMax(1e-300);
-  std::vector<bool> taken(stretches.size(), false);
+  std::vector<bool> taken(segments.size(), false);
   for (int left = most_samples; left > 0;) {
     double best = -1.0;
-    std::size_t next = stretches.size();
-    for (std::size_t s = 0; s < stretches.size(); ++s) {
-      const StretchInformation& stretch = stretches[s];
-      if (taken[s] || (stretch.samples > left && left < most_samples)) continue;
+    std::size_t next = segments.size();
+    for (std::size_t s = 0; s < segments.size(); ++s) {
+      const SegmentInformation& segment = segments[s];
+      if (taken[s] || (segment.samples > left && left < most_samples)) continue;
       const double gain =
-          (stretch.information.array() / sum.array()).log1p().sum() /
-          stretch.samples;
+          (segment.information.array() / sum.array()).log1p().sum() /
+          segment.samples;
       if (gain > best) {
         best = gain;
         next = s;
       }
     }
-    if (next == stretches.size()) break;
+    if (next == segments.size()) break;
     taken[next] = true;
-    sum += stretches[next].information;
-    left -= stretches[next].samples;
+    sum += segments[next].information;
+    left -= segments[next].samples;
   }
   return taken;
 }

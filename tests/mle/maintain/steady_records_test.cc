@@ -1,4 +1,4 @@
-#include "mle/maintain/usual_rest.h"
+#include "mle/maintain/steady_records.h"
 
 #include <cmath>
 #include <cstdint>
@@ -45,13 +45,13 @@ void ShutDown(int from, int to, Record& record) {
   }
 }
 
-RestParts Divided(const std::vector<Record>& rest, double gain = 1.0) {
-  absl::StatusOr<RestParts> parts = DivideRest(Tank(gain), rest);
+SteadyRecords Divided(const std::vector<Record>& rest, double gain = 1.0) {
+  absl::StatusOr<SteadyRecords> parts = FindSteadyRecords(Tank(gain), rest);
   EXPECT_TRUE(parts.ok()) << parts.status();
-  return parts.ok() ? *std::move(parts) : RestParts();
+  return parts.ok() ? *std::move(parts) : SteadyRecords();
 }
 
-TEST(UsualRestTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
+TEST(SteadyRecordsTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
   const std::vector<std::function<void(Record&)>> usual = {
       [](Record&) {},
       // A step of 20 standard deviations, missing samples, a drift.
@@ -71,7 +71,7 @@ TEST(UsualRestTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
     for (const double gain : {1.0, 0.5, 2.0, -1.0}) {
       Record record = TankAtRest(2000, 1);
       change(record);
-      const RestParts parts = Divided({record, TankAtRest(100, 2)}, gain);
+      const SteadyRecords parts = Divided({record, TankAtRest(100, 2)}, gain);
       EXPECT_TRUE(parts.left_out.empty());
       ASSERT_EQ(parts.usual.size(), 2);
       EXPECT_EQ(parts.usual[0].inputs, record.inputs);
@@ -81,7 +81,7 @@ TEST(UsualRestTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
 
 // Of two records of a level the first inputs of one are far from balance: its
 // residual is a ramp, of which nothing is left out.
-TEST(UsualRestTest, ALevelMayBeginOutOfBalance) {
+TEST(SteadyRecordsTest, ALevelMayBeginOutOfBalance) {
   ProcessModel level("drum", "min", {{"feed", ""}}, {{"level", ""}});
   level.element(0, 0) = TransferFunction::Integrator(0.05, 0.0, 1.0);
   std::vector<Record> rest;
@@ -93,25 +93,25 @@ TEST(UsualRestTest, ALevelMayBeginOutOfBalance) {
     record.inputs(0, 0) += first;
     rest.push_back(record);
   }
-  absl::StatusOr<RestParts> parts = DivideRest(level, rest);
+  absl::StatusOr<SteadyRecords> parts = FindSteadyRecords(level, rest);
   ASSERT_TRUE(parts.ok()) << parts.status();
   EXPECT_TRUE(parts->left_out.empty());
   // A feed that is not measured.
   for (int k = 1500; k < 1600; ++k) rest[0].outputs(0, k) += 2.0 * (k - 1500);
   rest[0].outputs.rightCols(1400).array() += 200.0;
-  parts = DivideRest(level, rest);
+  parts = FindSteadyRecords(level, rest);
   ASSERT_TRUE(parts.ok()) << parts.status();
   EXPECT_EQ(parts->left_out.size(), 1);
 }
 
 // With the five settling times around it, and as one where it takes no longer
 // than twenty.
-TEST(UsualRestTest, AShutdownIsLeftOut) {
+TEST(SteadyRecordsTest, AShutdownIsLeftOut) {
   const double settling = SettlingTime(Tank(1.0));
   for (const int length : {300, 1000, 1400}) {
     Record record = TankAtRest(5000, 1);
     ShutDown(1500, 1500 + length, record);
-    const RestParts parts = Divided({TankAtRest(500, 2), record});
+    const SteadyRecords parts = Divided({TankAtRest(500, 2), record});
     const double end = 750.0 + length / 2.0;
     ASSERT_EQ(parts.left_out.size(), length / 2.0 < 20.0 * settling ? 1 : 2);
     EXPECT_NEAR(parts.left_out.front().first, 750.0 - 5.0 * settling, 60.0);
@@ -132,7 +132,7 @@ TEST(UsualRestTest, AShutdownIsLeftOut) {
 }
 
 // Too little to know what is usual, and nothing at all; no noise either.
-TEST(UsualRestTest, WithoutAMeasureNothingIsLeftOut) {
+TEST(SteadyRecordsTest, WithoutAMeasureNothingIsLeftOut) {
   Record record = TankAtRest(400, 1);
   ShutDown(200, 230, record);
   EXPECT_TRUE(Divided({record}).left_out.empty());
@@ -147,7 +147,7 @@ TEST(UsualRestTest, WithoutAMeasureNothingIsLeftOut) {
 
 // Weeks with a shutdown between two set-point changes, of which no window has
 // anything: the aged gain is found as without it, and the result says when.
-TEST(UsualRestTest, AShutdownBetweenWindowsHidesNothing) {
+TEST(SteadyRecordsTest, AShutdownBetweenWindowsHidesNothing) {
   const ProcessModel plant = Tank(1.3);
   Record record = TankRecord(plant, kRestNoise, 1);
   Record rest = TankAtRest(6000, 3);

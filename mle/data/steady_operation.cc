@@ -1,13 +1,13 @@
+#include "mle/data/steady_operation.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "mle/data/set_point_windows.h"
-
 namespace mle {
 namespace {
 
-constexpr int kMinQuietSamples = 20;
+constexpr int kMinSteadySamples = 20;
 constexpr int kMinSide = 5;  // samples on each side of a step
 constexpr double kOutlierDeviations = 6.0;
 
@@ -59,9 +59,9 @@ Explanation FitStep(const std::vector<double>& values) {
 
 }  // namespace
 
-QuietPart TestQuietPart(const SampleRow& samples, double start_time,
-                        double sample_time, QuietLimits limits) {
-  QuietPart part;
+SteadyOperation TestSteadyOperation(const SampleRow& samples, double start_time,
+                                    double sample_time, SteadyLimits limits) {
+  SteadyOperation part;
   part.noise = WhiteDeviation(samples);
   int used = 0;
   const double center = TrimmedMean(samples, used);
@@ -76,7 +76,7 @@ QuietPart TestQuietPart(const SampleRow& samples, double start_time,
     times.push_back(static_cast<int>(k));
     values.push_back(value);
   }
-  if (static_cast<int>(times.size()) < kMinQuietSamples) return part;
+  if (static_cast<int>(times.size()) < kMinSteadySamples) return part;
   double mean = 0.0;
   for (const double value : values) mean += value;
   mean /= static_cast<double>(values.size());
@@ -91,11 +91,11 @@ QuietPart TestQuietPart(const SampleRow& samples, double start_time,
   const double noise = std::max(part.noise, 1e-12 * scale);
   part.size = best.size;
   part.deviations = noise > 0.0 ? std::sqrt(best.squares) / noise : 0.0;
-  part.verdict = QuietPart::Verdict::kQuiet;
+  part.verdict = SteadyOperation::Verdict::kSteady;
   if (part.deviations > limits.deviations &&
       std::abs(part.size) > limits.size * noise) {
-    part.verdict = is_step ? QuietPart::Verdict::kDisturbed
-                           : QuietPart::Verdict::kDrifting;
+    part.verdict = is_step ? SteadyOperation::Verdict::kDisturbed
+                           : SteadyOperation::Verdict::kDrifting;
     if (is_step) part.time = start_time + sample_time * times[step.at];
   }
   return part;

@@ -1,4 +1,4 @@
-#include "mle/data/stretches.h"
+#include "mle/data/segments.h"
 
 #include <cmath>
 #include <span>
@@ -19,16 +19,16 @@ bool RecordsAdjoin(const Record& before, const Record& after) {
 
 }  // namespace
 
-bool Adjoin(const StretchPart& before, const StretchPart& after) {
-  return before.stretch == after.stretch &&
+bool Adjoin(const SegmentPart& before, const SegmentPart& after) {
+  return before.segment == after.segment &&
          before.first + before.samples == after.first;
 }
 
-int Stretches::WindowAt(int stretch, double time) const {
+int Segments::WindowAt(int segment, double time) const {
   int found = -1;
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    if (windows[w].stretch != stretch) continue;
-    const Record& record = records[stretch];
+    if (windows[w].segment != segment) continue;
+    const Record& record = records[segment];
     const double begin = record.time(windows[w].first);
     if (found >= 0 && time < begin - 0.5 * record.sample_time) break;
     found = static_cast<int>(w);
@@ -36,25 +36,25 @@ int Stretches::WindowAt(int stretch, double time) const {
   return found;
 }
 
-Stretches JoinAdjoining(const std::vector<Record>& windows) {
-  Stretches stretches;
+Segments JoinAdjoining(const std::vector<Record>& windows) {
+  Segments segments;
   for (std::size_t first = 0; first < windows.size();) {
-    const int stretch = static_cast<int>(stretches.records.size());
+    const int segment = static_cast<int>(segments.records.size());
     std::size_t end = first;
     int sample = 0;
     do {
       const int samples = windows[end].samples();
       const int lead = windows[end].lead();
-      stretches.windows.push_back({stretch, sample + lead, samples - lead});
+      segments.windows.push_back({segment, sample + lead, samples - lead});
       sample += samples;
       ++end;
     } while (end < windows.size() &&
              RecordsAdjoin(windows[end - 1], windows[end]));
-    stretches.records.push_back(
+    segments.records.push_back(
         JoinRecords(std::span(windows).subspan(first, end - first)));
     first = end;
   }
-  return stretches;
+  return segments;
 }
 
 }  // namespace mle

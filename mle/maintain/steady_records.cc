@@ -1,4 +1,4 @@
-#include "mle/maintain/usual_rest.h"
+#include "mle/maintain/steady_records.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/maintain/element_responses.h"
-#include "mle/maintain/stretch_information.h"
+#include "mle/maintain/segment_information.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/innovations_filter.h"
 
@@ -112,9 +112,9 @@ std::vector<bool> UsualBlocks(const MatrixXd& squares,
 
 }  // namespace
 
-absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
-                                     std::vector<Record> rest) {
-  RestParts parts;
+absl::StatusOr<SteadyRecords> FindSteadyRecords(const ProcessModel& model,
+                                                std::vector<Record> rest) {
+  SteadyRecords parts;
   if (rest.empty()) return parts;
   std::vector<MatrixXd> squares;
   for (const Record& record : rest) {
