@@ -190,7 +190,7 @@ def octave_variance(runs):
         return
     source = np.random.default_rng(1)
     with tempfile.TemporaryDirectory() as folder:
-        np.savetxt(f"{folder}/runs", np.vstack([row for _ in range(runs)
+        np.savetxt(f"{folder}/runs", np.vstack([row for _ in range(3 * runs)
                                                 for row in autoregressive(source)]))
         found = octave(f"x = load('{folder}/runs')'; for k = 1:2:columns(x), [n, d] = tfdata(arx("
                        "iddata(x(:, k+1), x(:, k), 1), 'na', 1, 'nb', 1)); "
