@@ -146,7 +146,7 @@ def real(form, repeats, arguments):
     wanted, declared, _ = runs.wanted(arguments.data, arguments.plants, None)
     of_case = {}
     for run in wanted:
-        if run.estimator == "program" and run.case.own and not run.again and not run.case.fitted:
+        if run.case.own and not run.again and not run.case.fitted:
             of_case.setdefault((run.case.plant, run.case.model, run.case.record), []).append(run)
     for i, some in enumerate(of_case.values()):
         aged = [run for run in some if run.age]
@@ -218,7 +218,7 @@ def levels(form, repeats, arguments):
 
 
 def limit(draw):
-    """Parameter, element and limit of a draw: all 24 in turn, in whatever six of each parameter two."""
+    """Parameter, element and limit of a draw: all 24 in turn, in any six of each parameter two."""
     i = 7 * draw % 24
     key, place = list(LIMITS)[i % 3], i // 6
     return key, place, LIMITS[key][place][i // 3 % 2]
