@@ -154,6 +154,28 @@ def two_runs_give_the_same_bytes(folder):
     assert b"| mine |" in one["benchmark.md"]
 
 
+def a_method_that_fails_is_told_and_asked_again(folder):
+    script, allowed = folder / "mine.py", folder / "allowed"
+    script.write_text(f"import pathlib, sys\nassert pathlib.Path({str(allowed)!r}).exists()\n"
+                      "pathlib.Path(sys.argv[1], 'decision.txt').write_text('mismatch')\n")
+    command = [sys.executable, suite / "run", f"--apps={build / 'apps'}", f"--out={folder / 'out'}", "--form=smoke",
+               "--tracks=paper", "--cases=^paper/gain", "--methods=^$", f"--method=mine={script}"]
+    failed = subprocess.run(command, capture_output=True, text=True)
+    assert "mine: no answer in 2 of 2 cases, the first: exit code 1: AssertionError" in failed.stderr, failed.stderr
+    allowed.touch()
+    again = subprocess.run(command, capture_output=True, text=True)
+    assert "no answer" not in again.stderr and "| paper | mine | 1 + 1 | 100 | 100 |" in again.stdout, again.stdout
+
+
+def folders_are_left_to_try_a_method_on(folder):
+    done = subprocess.run([sys.executable, suite / "run", f"--apps={build / 'apps'}", f"--write={folder}",
+                           "--tracks=paper", "--cases=gain.*aged"], capture_output=True, text=True)
+    (written,) = map(pathlib.Path, done.stdout.split())
+    assert {file.name for file in written.iterdir()} == {"model.json", "record.csv", "loop.json", "truth.json"}
+    given, true = (json.loads((written / name).read_text())["elements"] for name in ("model.json", "truth.json"))
+    assert [after["gain"] / before["gain"] for before, after in zip(given, true)] == [0.5, 1.0, 0.5, 1.0]
+
+
 def lives_are_watched(folder):
     program = build / "benchmarks/watch_benchmark"
     if not program.exists():
@@ -176,4 +198,6 @@ with tempfile.TemporaryDirectory() as scratch:
     answers_are_read_and_refused(pathlib.Path(scratch))
 with tempfile.TemporaryDirectory() as scratch:
     two_runs_give_the_same_bytes(pathlib.Path(scratch))
+    a_method_that_fails_is_told_and_asked_again(pathlib.Path(scratch))
+    folders_are_left_to_try_a_method_on(pathlib.Path(scratch) / "folders")
     lives_are_watched(pathlib.Path(scratch))
