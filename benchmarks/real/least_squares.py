@@ -1,4 +1,4 @@
-"""A peer: plain least squares of predictions several steps ahead, from the model given.
+"""Plain least squares of predictions several steps ahead, from the model given.
 
 The gain and the time constants (in logarithms) and the dead time of every element are free. What
 is minimised is the sum over three horizons of the squared errors of predictions, each divided by

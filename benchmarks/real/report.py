@@ -94,69 +94,66 @@ def spread(values, digits=".2f"):
 
 
 class Rows:
-    """The runs of one estimator, in the kinds that tables tell apart."""
+    """Runs in the kinds that tables tell apart."""
 
-    def __init__(self, rows, estimator):
+    def __init__(self, rows):
         # Where every record has a model of its own there are runs across records.
         laboratories = {row["plant"] for row in rows if row["again"] or not row["own"]}
-        rows = [row for row in rows if row["estimator"] == estimator]
         seen = [row for row in rows if "outputs" in row["given"]]
         self.truth = [row for row in rows if "distances" in row["given"]]
         self.laboratory = [row for row in seen if row["plant"] in laboratories]
         self.plants = [row for row in seen if row["plant"] not in laboratories]
 
 
-def horizon_lines(kind, found, peer, goals):
-    aged, peer_aged = ([row for row in rows if row["aged"]] for rows in (found, peer))
+def horizon_lines(kind, found, goals):
+    aged = [row for row in found if row["aged"]]
     return [
         (f"{kind}, aged on purpose: error of the aged output over three horizons down",
-         count(aged, is_down), count(peer_aged, is_down), goals[0]),
+         count(aged, is_down), goals[0]),
         (f"{kind}, aged on purpose: that error, corrected / not aged, over aged",
-         f"{mean_ratio(aged)} / {mean_ratio(aged, 'honest')}", mean_ratio(peer_aged), ""),
+         f"{mean_ratio(aged)} / {mean_ratio(aged, 'honest')}", ""),
         (f"{kind}: any output worse by more than 5 %, unaged runs included",
-         count(found, is_worse), count(peer, is_worse), goals[1]),
+         count(found, is_worse), goals[1]),
         (f"{kind}, aged on purpose: the aged parameter named, and no other",
-         count(aged, is_exact), "–", goals[2]),
+         count(aged, is_exact), goals[2]),
         (f"{kind}, nothing aged: a model is changed",
-         count([row for row in found if not row["aged"]], lambda row: row["changed"]), "–", "")]
+         count([row for row in found if not row["aged"]], lambda row: row["changed"]), "")]
 
 
-def laboratory_lines(rows, peers):
+def laboratory_lines(rows):
     def own(some):
         return [row for row in some if row["own"] and not row["fitted"] and not row["again"]]
 
     def fitted(some):
         return [row for row in some if row["aged"] or row["fitted"]]
 
-    found, peer = fitted(rows), fitted(peers)
-    aged, peer_aged = ([row for row in some if row["aged"]] for some in (found, peer))
-    lines = horizon_lines("laboratory", found, peer, ("", "", "≥ 20 of 21"))
+    found = fitted(rows)
+    aged = [row for row in found if row["aged"]]
+    lines = horizon_lines("laboratory", found, ("", "", "≥ 20 of 21"))
     lines.append(("laboratory, aged on purpose: fit of the aged output on unseen records back "
-                  "within a point", count(aged, is_back), count(peer_aged, is_back),
-                  "≥ 19 of 21"))
+                  "within a point", count(aged, is_back), "≥ 19 of 21"))
     fits = {which: spread([mean_fit(row, which, aged_output(row)) for row in aged], ".1f")
             for which in ("honest", "given", "corrected")}
-    peer_fits = spread([mean_fit(row, "corrected", aged_output(row)) for row in peer_aged], ".1f")
     lines.append(("laboratory, that fit: not aged / aged / corrected, %",
-                  " / ".join(fits.values()), peer_fits, ""))
-    found, peer = own(rows), own(peers)
+                  " / ".join(fits.values()), ""))
+    found = own(rows)
     for output in sorted(found[0]["given"]["outputs"]) if found else ():
         def fixed(some, which, output=output):
             return spread(row[which]["outputs"][output].get("fixed") or math.nan
                           for row in some if not row["aged"])
         lines.append((f"laboratory, own record → others, fixed horizon, {output}: given / "
                       "corrected", f"{fixed(found, 'given')} / {fixed(found, 'corrected')}",
-                      fixed(peer, "corrected"), "≤ 0.38 (T1), ≤ 0.36 (T2)"))
+                      "≤ 0.38 (T1), ≤ 0.36 (T2)"))
     cross = [row for row in rows if not row["aged"] and not row["again"] and not row["fitted"]]
     again = [row for row in rows if row["again"] and row["decision"] != "not_given"]
     for name, some in (("cross runs", cross), ("a corrected model given", again)):
         most = f"; largest {max(map(worst_fall, some)):.2f}" if some else ""
         lines.append((f"laboratory, {name}: a fit on an unseen record falls by more than a point",
-                      count(some, lambda row: worst_fall(row) > POINT) + most, "–", "0"))
+                      count(some, lambda row: worst_fall(row) > POINT) + most, "0"))
     return lines
 
 
-def truth_lines(rows, peers):
+def truth_lines(rows):
     def part(some, condition):
         return [row for row in some if condition(row)]
 
@@ -171,23 +168,23 @@ def truth_lines(rows, peers):
             ("nothing aged", unaged, "≤ 0.04"),
             ("known ageing", lambda row: bool(row["known"]), "≤ 0.06"),
             ("aged on purpose", lambda row: bool(row["aged"]), "")):
-        some, peer = part(rows, condition), part(peers, condition)
+        some = part(rows, condition)
         if not some:
             continue
         lines.append((f"true responses, {name}: relative E, given / corrected",
                       f"{distances(some, 'given')} / {distances(some, 'corrected')}",
-                      distances(peer, "corrected"), goal))
+                      goal))
         if name == "known ageing":
             lines.append((f"true responses, {name}: named alone, by the right factor",
-                          count(some, is_known), "–", "all"))
+                          count(some, is_known), "all"))
         elif name == "nothing aged":
             lines.append((f"true responses, {name}: a model is changed",
-                          count(some, lambda row: row["changed"]), "–", "0"))
+                          count(some, lambda row: row["changed"]), "0"))
         else:
             lines.append((f"true responses, {name}: E down",
-                          count(some, has_fallen), count(peer, has_fallen), ""))
+                          count(some, has_fallen), ""))
             lines.append((f"true responses, {name}: the aged parameter named, and no other",
-                          count(some, is_exact), "–", ""))
+                          count(some, is_exact), ""))
     return lines
 
 
@@ -196,17 +193,15 @@ def has_fallen(row):
 
 
 def summary(rows):
-    found, peer = Rows(rows, "program"), Rows(rows, "least squares")
+    found = Rows(rows)
     lines = []
     if found.plants:
-        lines += horizon_lines("plants", found.plants, peer.plants,
-                               ("≥ 26 of 42", "≤ 2 of 51", ""))
+        lines += horizon_lines("plants", found.plants, ("≥ 26 of 42", "≤ 2 of 51", ""))
     if found.laboratory:
-        lines += laboratory_lines(found.laboratory, peer.laboratory)
+        lines += laboratory_lines(found.laboratory)
     if found.truth:
-        lines += truth_lines(found.truth, peer.truth)
-    return [{"row": row, "found": one, "least_squares": other, "asked_for": goal}
-            for row, one, other, goal in lines]
+        lines += truth_lines(found.truth)
+    return [{"row": row, "found": one, "asked_for": goal} for row, one, goal in lines]
 
 
 def table(header, lines):
@@ -222,21 +217,17 @@ def decisions(rows):
 def plant_table(rows):
     lines = []
     for plant, fitted in dict.fromkeys((row["plant"], bool(row["fitted"])) for row in rows):
-        some, peer = ([row for row in rows if row["estimator"] == estimator and not row["again"]
-                       and row["own"] and (row["plant"], bool(row["fitted"])) == (plant, fitted)]
-                      for estimator in ("program", "least squares"))
-        aged, peer_aged = ([row for row in each if row["aged"]] for each in (some, peer))
+        some = [row for row in rows if not row["again"] and row["own"]
+                and (row["plant"], bool(row["fitted"])) == (plant, fitted)]
+        aged = [row for row in some if row["aged"]]
         down, worse = (has_fallen, lambda row: distance(row, "corrected") >
                        WORSE * distance(row, "given")) \
             if "distances" in some[0]["given"] else (is_down, is_worse)
         lines.append([plant, "fitted" if fitted else "as given", str(len(some)), decisions(some),
-                      count(aged, down), count(peer_aged, down), count(some, worse),
-                      count(peer, worse),
-                      count(aged, is_exact)])
+                      count(aged, down), count(some, worse), count(aged, is_exact)])
     return table(["plant", "model", "runs",
                   "no change / corrected / cannot tell / no answer / crashed",
-                  "aged: down", "least squares", "worse", "least squares",
-                  "named exactly"], lines)
+                  "aged: down", "worse", "named exactly"], lines)
 
 
 def age_in_words(age):
@@ -265,28 +256,20 @@ def errors_in_words(row, which):
 
 
 def run_table(rows):
-    def place(row):
-        return row["plant"], row["model"], row["fitted"], row["record"], tuple(row["aged"])
-
-    peers = {place(row): row for row in rows if row["estimator"] == "least squares"}
     lines = []
     for row in rows:
-        if row["estimator"] != "program":
-            continue
-        peer = peers.get(place(row))
         record = f"{row['record']}, then {row['again']}" if row["again"] else row["record"]
         model = f"{row['model']}, fitted" if row["fitted"] else row["model"]
         lines.append([row["plant"], model, record, age_in_words(row["aged"]),
                       row["decision"].replace("_", " "), changes_in_words(row),
-                      errors_in_words(row, "given"), errors_in_words(row, "corrected"),
-                      errors_in_words(peer, "corrected") if peer and not row["again"] else "–"])
+                      errors_in_words(row, "given"), errors_in_words(row, "corrected")])
     return table(["plant", "model", "record", "aged", "decision", "changed", "error given",
-                  "corrected", "least squares"], lines)
+                  "corrected"], lines)
 
 
 def markdown(rows, lines, left_out):
-    parts = [table(["", "found", "least squares", "asked for"],
-                   [[line["row"], line["found"], line["least_squares"], line["asked_for"]]
+    parts = [table(["", "found", "asked for"],
+                   [[line["row"], line["found"], line["asked_for"]]
                     for line in lines]), [""],
              plant_table(rows), [""], run_table(rows)]
     if left_out:

@@ -27,11 +27,10 @@ SAME = 1e-6  # relative, of a parameter that has not been changed
 class Run:
     case: records.Case
     age: tuple = ()  # (pair, parameter, by): factor of a gain or time constant, added dead time
-    estimator: str = "program"  # or "least squares"
     again: str = ""  # record that a corrected model is corrected from once more
 
     def name(self):
-        parts = [self.case.plant, self.case.model.name, self.case.record.name, self.estimator,
+        parts = [self.case.plant, self.case.model.name, self.case.record.name,
                  " ".join(map(str, self.age)), self.again,
                  f"fitted to {self.case.fitted.name}" if self.case.fitted else ""]
         return "|".join(parts)
@@ -243,13 +242,9 @@ def make(run, plant, arguments):
             records.first_rows(run.case.record, share, record)
         seen = records.stretches(record, honest)
         times = horizons(honest, seen)
-        if run.estimator == "program":
-            decision, reason, corrected = call(arguments.command, flags_of(plant, arguments),
-                                               given, [record], scratch,
-                                               "fopdt.json" if run.again else "model.json")
-        else:
-            decision, reason = "corrected", ""
-            corrected = least_squares.correct(given, seen, times)
+        decision, reason, corrected = call(arguments.command, flags_of(plant, arguments),
+                                           given, [record], scratch,
+                                           "fopdt.json" if run.again else "model.json")
         case = run.case
         if run.again and corrected is None:
             decision = "not_given"
@@ -313,6 +308,4 @@ def runs_of(case, plant):
         if known_of(case, plant) is None and bool(case.fitted) == ("fit" in plant):
             result += [Run(case, age) for age in
                        ages(model, records.stretches(case.record, model), plant)]
-        result += [dataclasses.replace(run, estimator="least squares")
-                   for run in result if not run.again]
     return result

@@ -64,6 +64,9 @@ PLANTS = {
                                 40),
     # Shen, Cai and Li, Ind. Eng. Chem. Res. 49 (2010) 761: four rooms of an air-conditioned house.
     "four_rooms": Plant("benchmarks/plants/four_rooms.json", (1, 1, 1, 1), 900, 4, 8, 40),
+    # Doukas and Luyben, Instrumentation Technology 25 (1978) 43, as Luyben has it, Ind. Eng. Chem.
+    # Process Des. Dev. 25 (1986) 654: a column with a side stream, three components.
+    "doukas_luyben": Plant("benchmarks/plants/doukas_luyben.json", (1, 1, 0.2, 1), 400, 1, 2, 40),
 }
 
 # Thresholds may be chosen on the first; the second is for reports.

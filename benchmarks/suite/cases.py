@@ -246,7 +246,8 @@ def loop_error(apps, trial, model):
     other = copy.copy(trial)
     other.set_points = other.length = None
     other.rounds, other.noise = 1, 0.0
-    other.flags = {key: value for key, value in trial.flags.items() if key in LOOP_FLAGS}
+    kept = (*LOOP_FLAGS, "operating_inputs")
+    other.flags = {key: value for key, value in trial.flags.items() if key in kept}
     other.effects = {"inputs": {name: {"actuator": what["actuator"]}
                                 for name, what in trial.effects["inputs"].items()
                                 if "actuator" in what},

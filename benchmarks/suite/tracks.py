@@ -5,6 +5,7 @@ benchmarks/reality/effects.py or adversary.py, a new plant a line of benchmarks/
 """
 
 import copy
+import functools
 import importlib.machinery
 import importlib.util
 import json
@@ -33,8 +34,8 @@ def imported(name, path):
 plant_size = imported("plant_size", cases.ROOT / "benchmarks/plant_size/run")
 
 REPORTING = plants.SETS["reporting"][0]
-PUBLISHED = ("wood_berry", "vinante_luyben", "wardle_wood", "ogunnaike_ray",
-             "shell_fractionator", "four_rooms", "reactor")
+PUBLISHED = ("wood_berry", "vinante_luyben", "wardle_wood", "ogunnaike_ray", "doukas_luyben",
+             "shell_fractionator", "four_rooms", "reactor", "tanks", "neutralisation")
 LABORATORY = ("laboratory", "laboratory, held", "analyser, 10 samples", "analyser, 30 samples")
 SIZES = {"smoke": ("2x2",), "short": ("4x4", "7x7"),
          "full": ("4x4", "7x7", "12x12", "20x20", "20x30", "40x80")}
@@ -44,7 +45,7 @@ SIZES = {"smoke": ("2x2",), "short": ("4x4", "7x7"),
 LIMITS = {"gain": ((-0.20, 0.40), (-0.13, 0.07), (-0.40, 0.31), (-0.07, 0.27)),
           "delay": ((-0.40, 0.40), (-0.40, 0.22), (-0.20, 0.17), (-0.29, 0.27)),
           "time_constant": ((-0.40, 0.15), (-0.20, 0.40), (-0.23, 0.40), (-0.28, 0.36))}
-PARTS = (0.0, 0.25, 0.5, 1.0, 2.0)  # of a limit
+PARTS = (0.0, 0.2, 0.5, 1.0, 2.0)  # of a limit
 
 
 # The Wood-Berry column as the paper has it (configs/paper.flags): one step of each set point.
@@ -72,6 +73,11 @@ def paper(form, repeats, arguments):
                                       PAPER_HORIZON)
 
 
+# Of plants with equations, what ages.
+NONLINEAR_AGEING = {"reactor": ("catalyst and jacket",), "tanks": ("pumps, valves, outlets",),
+                    "neutralisation": ("streams, outlet, electrode",)}
+
+
 def published_trial(case, seed):
     trial = trials.Trial(plants.PLANTS[case.plant], random.Random(seed))
     trial.rounds = 2
@@ -87,7 +93,7 @@ def published(form, repeats, arguments):
     names = ("gains", "time constants", "dead times")
     for repeat in repeats:
         for plant in PUBLISHED if form != "smoke" else PUBLISHED[:1]:
-            for name in names if plant != "reactor" else ("catalyst and jacket",):
+            for name in NONLINEAR_AGEING.get(plant, names):
                 yield cases.Simulated("published", name, plant, "aged", repeat, published_trial)
             yield cases.Simulated("published", "nothing", plant, "none", repeat, published_trial)
 
@@ -140,7 +146,7 @@ def real(form, repeats, arguments):
     wanted, declared, _ = runs.wanted(arguments.data, arguments.plants, None)
     of_case = {}
     for run in wanted:
-        if run.estimator == "program" and run.case.own and not run.again and not run.case.fitted:
+        if run.case.own and not run.again and not run.case.fitted:
             of_case.setdefault((run.case.plant, run.case.model, run.case.record), []).append(run)
     for i, some in enumerate(of_case.values()):
         aged = [run for run in some if run.age]
@@ -211,28 +217,36 @@ def levels(form, repeats, arguments):
                     yield cases.ByFlags("levels", drift, plant, kind, repeat, draw_level)
 
 
-def power_trial(case, seed):
+def limit(draw):
+    """Parameter, element and limit of a draw: all 24 in turn, in any six of each parameter two."""
+    i = 7 * draw % 24
+    key, place = list(LIMITS)[i % 3], i // 6
+    return key, place, LIMITS[key][place][i // 3 % 2]
+
+
+def power_trial(part, draw, case, seed):
     """One parameter of one element is off by a part of its limit."""
     trial = trials.Trial(plants.PLANTS["wood_berry"], random.Random(seed))
     trial.rounds = 2
-    place = trial.random.randrange(4)
-    key = trial.random.choice(list(LIMITS))
-    by = float(case.name) * trial.random.choice(LIMITS[key][place])
-    if case.kind == "aged":
+    key, place, by = limit(draw)
+    if part:
         element = trial.truth["elements"][place]
-        ageing.change(trial, place, **{key: by * element["delay"] if key == "delay" else
-                                       max(1.0 + by, 0.1)})
+        ageing.change(trial, place, **{key: part * by * element["delay"] if key == "delay" else
+                                       max(1.0 + part * by, 0.1)})
     return trial
 
 
 def power(form, repeats, arguments):
-    draws = {"smoke": 1, "short": 6, "full": 12}[form]
+    draws = {"smoke": 1, "short": 6, "full": 24}[form]
+    elements = plants.PLANTS["wood_berry"].read()["elements"]
     for repeat in repeats:
         for part in PARTS:
-            for draw in range(draws):
-                yield cases.Simulated("power", f"{part:g}", "wood_berry",
-                                      "aged" if part else "none", draws * repeat + draw,
-                                      power_trial)
+            for draw in range(draws * repeat, draws * (repeat + 1)):
+                key, place, by = limit(draw)
+                name = (f"{part:g} of {100 * by:+.0f} %, {key} of {elements[place]['output']} to "
+                        f"{elements[place]['input']}" if part else "0")
+                yield cases.Simulated("power", name, "wood_berry", "aged" if part else "none",
+                                      draw, functools.partial(power_trial, part, draw))
 
 
 TRACKS = {"paper": paper, "published": published, "effects": effects_of,
@@ -241,7 +255,7 @@ TRACKS = {"paper": paper, "published": published, "effects": effects_of,
 ABOUT = {
     "paper": "Wood-Berry column as the paper simulates it: first input's gains halved, second "
              "input's dead times 4 min longer",
-    "published": "seven published plants; gains, time constants or dead times of one to three "
+    "published": "ten published plants; gains, time constants or dead times of one to three "
                  "elements have aged",
     "effects": "what loops, valves, sensors and historians do (benchmarks/reality/effects.py)",
     "adversary": "made to mislead; at most one parameter has aged "

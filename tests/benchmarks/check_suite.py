@@ -20,6 +20,7 @@ import measures  # noqa: E402
 import numpy as np  # noqa: E402
 import page  # noqa: E402
 import protocol  # noqa: E402
+import publications  # noqa: E402
 import tracks  # noqa: E402
 
 MODEL = {"outputs": [{"name": "y"}], "inputs": [{"name": "u"}, {"name": "v"}],
@@ -92,11 +93,17 @@ def tails_are_those_of_tables():
 
 def seeds_and_limits():
     assert cases.number_of("a", "b") == cases.number_of("a", "b") != cases.number_of("a", "c")
-    case = next(case for case in tracks.power("full", range(1), None) if case.name == "1")
-    trial = tracks.power_trial(case, 3)
-    (change,) = [(before, after) for before, after in zip(trial.model["elements"], trial.truth["elements"])
-                 if before != after]
-    assert change[0]["gain"] / change[1]["gain"] < 2.0
+    at_limits = [case for case in tracks.power("full", range(1), None) if case.name.startswith("1 of ")]
+    assert len({case.name for case in at_limits}) == 24  # gain, time constant, dead time; four elements; both ways
+    for case in at_limits:
+        trial = case.make_trial(case, 3)
+        (change,) = [(before, after) for before, after in zip(trial.model["elements"], trial.truth["elements"])
+                     if before != after]
+        ((before, after),) = [(change[0][key], change[1][key]) for key in ("gain", "time_constant", "delay")
+                              if change[0][key] != change[1][key]]
+        assert f"{100.0 * (after / before - 1.0):+.0f} %" in case.name, case
+    short = [case.name for case in tracks.power("short", range(1), None) if case.name.startswith("1 of ")]
+    assert [sum(key in name for name in short) for key in ("gain", "time_constant", "delay")] == [2, 2, 2]
     drawn = tracks.draw_level(cases.ByFlags("levels", "0", "column_level", "aged", 0), random.Random(1))
     assert sum(a != b for a, b in zip(drawn.given["elements"], drawn.plant["elements"])) == 1
 
@@ -104,6 +111,21 @@ def seeds_and_limits():
 def shares_and_means():
     assert page.share(1, 4) == 25.0 and page.share(0, 0) is None
     assert math.isclose(page.geometric([1.0, 4.0, math.inf, None]), 2.0)
+
+
+def power_is_counted_by_limits():
+    def row(name, decision):
+        return {"track": "power", "method": "m", "scenario": name, "decision": decision}
+    rows = [row("0", "no_change"), row("0.2 of +7 %, gain of y to u", "corrected"),
+            row("1 of +7 %, gain of y to u", "mismatch"), row("1 of -40 %, delay of y to u", "cannot_tell")]
+    ((_, *line),) = page.power_table(rows, [METHOD])
+    assert line == ["0", "100", "–", "50", "–", "100", "–", "0", "1 of 2"], line
+
+
+def publications_are_reproduced():
+    """Those of which figures are at hand; Octave's where it is."""
+    figures = [figure for check in publications.CHECKS for figure in check(10)]
+    assert len(figures) >= 21 and all(figure.holds() for figure in figures), figures
 
 
 def run(out, *flags):
@@ -132,6 +154,28 @@ def two_runs_give_the_same_bytes(folder):
     assert b"| mine |" in one["benchmark.md"]
 
 
+def a_method_that_fails_is_told_and_asked_again(folder):
+    script, allowed = folder / "mine.py", folder / "allowed"
+    script.write_text(f"import pathlib, sys\nassert pathlib.Path({str(allowed)!r}).exists()\n"
+                      "pathlib.Path(sys.argv[1], 'decision.txt').write_text('mismatch')\n")
+    command = [sys.executable, suite / "run", f"--apps={build / 'apps'}", f"--out={folder / 'out'}", "--form=smoke",
+               "--tracks=paper", "--cases=^paper/gain", "--methods=^$", f"--method=mine={script}"]
+    failed = subprocess.run(command, capture_output=True, text=True)
+    assert "mine: no answer in 2 of 2 cases, the first: exit code 1: AssertionError" in failed.stderr, failed.stderr
+    allowed.touch()
+    again = subprocess.run(command, capture_output=True, text=True)
+    assert "no answer" not in again.stderr and "| paper | mine | 1 + 1 | 100 | 100 |" in again.stdout, again.stdout
+
+
+def folders_are_left_to_try_a_method_on(folder):
+    done = subprocess.run([sys.executable, suite / "run", f"--apps={build / 'apps'}", f"--write={folder}",
+                           "--tracks=paper", "--cases=gain.*aged"], capture_output=True, text=True)
+    (written,) = map(pathlib.Path, done.stdout.split())
+    assert {file.name for file in written.iterdir()} == {"model.json", "record.csv", "loop.json", "truth.json"}
+    given, true = (json.loads((written / name).read_text())["elements"] for name in ("model.json", "truth.json"))
+    assert [after["gain"] / before["gain"] for before, after in zip(given, true)] == [0.5, 1.0, 0.5, 1.0]
+
+
 def lives_are_watched(folder):
     program = build / "benchmarks/watch_benchmark"
     if not program.exists():
@@ -148,8 +192,12 @@ first_order_is_found()
 tails_are_those_of_tables()
 seeds_and_limits()
 shares_and_means()
+power_is_counted_by_limits()
+publications_are_reproduced()
 with tempfile.TemporaryDirectory() as scratch:
     answers_are_read_and_refused(pathlib.Path(scratch))
 with tempfile.TemporaryDirectory() as scratch:
     two_runs_give_the_same_bytes(pathlib.Path(scratch))
+    a_method_that_fails_is_told_and_asked_again(pathlib.Path(scratch))
+    folders_are_left_to_try_a_method_on(pathlib.Path(scratch) / "folders")
     lives_are_watched(pathlib.Path(scratch))

@@ -1,6 +1,6 @@
 """octave.py arx|n4sid FOLDER: identification from scratch by Octave's control package.
 
-benchmarks/peers/octave_peers.m, the best of five orders by simulation of held-out blocks; step
+octave_peers.m, the best of five orders by simulation of held-out blocks; step
 responses are replaced by the nearest of first order with dead time. Every output must be measured
 in every sample. There is no test: it always corrects.
 """
@@ -29,7 +29,7 @@ def main(method, folder):
         np.savetxt(scratch / f"window_{number}.txt", window, fmt="%.12g")
     block = max(10, max(len(window) for window in windows) // 16)
     (scratch / "settings.txt").write_text(f"{p} {m} {samples} {block}\n")
-    subprocess.run(["octave-cli", "--norc", common.ROOT / "benchmarks/peers/octave_peers.m",
+    subprocess.run(["octave-cli", "--norc", pathlib.Path(__file__).with_name("octave_peers.m"),
                     scratch, method], check=True)
     rows = np.loadtxt(scratch / "step.txt", ndmin=2)
     steps = {(output, name): rows[:, i * m + j] for i, output in enumerate(given.outputs)

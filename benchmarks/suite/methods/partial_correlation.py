@@ -56,7 +56,7 @@ def means(given, values):
     return np.where(counts > 0, sums / np.maximum(counts, 1), math.nan)
 
 
-def partial(given, name, parts, errors):
+def partial(name, other_names, parts, errors):
     """(ε, η) of all stretches, whitened."""
     steps = range(-LAGS // 2, LAGS // 2 + 1)
     pairs = []
@@ -64,7 +64,7 @@ def partial(given, name, parts, errors):
         known = np.isfinite(error)
         if known.sum() < 2 * LAGS:
             continue
-        others = [lagged(inputs[other], steps) for other in given.inputs if other != name]
+        others = [lagged(inputs[other], steps) for other in other_names]
         own, eta = inputs[name], np.where(known, error, 0.0)
         if others and np.hstack(others).shape[1] < known.sum():
             matrix = np.hstack(others)
@@ -89,19 +89,26 @@ def largest_correlation(pairs):
     return max(values) * math.sqrt(count)
 
 
-def main(folder):
-    given = common.Given(folder)
+def wrong(given, plain=False):
+    """Pairs (output, input) whose model is wrong; plain: by correlation that is not partial."""
     parts = [{name: means(given, values) for name, values in explained(given, stretch).items()}
              for stretch in given.stretches]
     tests = len(given.inputs) * len(given.outputs) * (LAGS + 1)
     bound = common.normal_quantile(0.5 * LEVEL / tests)
-    aged = []
+    found = []
     for output in given.outputs:
         errors = [means(given, error) for error in given.errors(given.elements(output), output)]
         for name in given.inputs:
-            pairs = partial(given, name, parts, errors)
+            others = [] if plain else [other for other in given.inputs if other != name]
+            pairs = partial(name, others, parts, errors)
             if pairs and largest_correlation(pairs) > bound:
-                aged.append((output, name))
+                found.append((output, name))
+    return found
+
+
+def main(folder):
+    given = common.Given(folder)
+    aged = wrong(given)
     given.leave("mismatch" if aged else "no_change", aged=aged)
 
 

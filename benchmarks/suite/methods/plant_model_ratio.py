@@ -36,11 +36,11 @@ def held_over(values):
     return values[known[np.maximum(np.searchsorted(known, np.arange(len(values)), "right") - 1, 0)]]
 
 
-def main(folder):
-    given = common.Given(folder)
+def ratios(given):
+    """R of every pair and the weight of its input's part in the model's output; None where set
+    points do not tell inputs apart."""
     if len(given.set_points) < len(given.inputs):
-        given.leave("cannot_tell")
-        return
+        return None
     measured, modelled = [], []
     for stretch in given.stretches:
         simulated = responses.simulate(given.model["elements"], stretch)
@@ -51,20 +51,26 @@ def main(folder):
     points = spectra(given, given.set_points, measured).conj().T
     inputs = spectra(given, given.inputs, measured) @ points
     if np.linalg.matrix_rank(inputs, tol=1e-6 * np.linalg.norm(inputs, 2)) < len(given.inputs):
-        given.leave("cannot_tell")
-        return
+        return None
     backwards = np.linalg.pinv(inputs)
     plant = spectra(given, given.outputs, measured) @ points @ backwards
     model = spectra(given, given.outputs, modelled) @ points @ backwards
     sizes = np.array([np.sqrt(sum(np.var(columns[name]) for columns in measured))
                       for name in given.inputs])
-    aged = []
-    for i, output in enumerate(given.outputs):
-        parts = np.abs(model[i]) * sizes
-        for j, name in enumerate(given.inputs):
-            weighs = parts[j] > 0.1 * parts.sum()
-            if weighs and abs(plant[i, j] / model[i, j] - 1.0) > THRESHOLD:
-                aged.append((output, name))
+    parts = np.abs(model) * sizes
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return plant / model, parts / np.maximum(parts.sum(axis=1, keepdims=True), 1e-300)
+
+
+def main(folder):
+    given = common.Given(folder)
+    found = ratios(given)
+    if found is None:
+        given.leave("cannot_tell")
+        return
+    aged = [(output, name) for output, some, weights in zip(given.outputs, *found)
+            for name, ratio, weight in zip(given.inputs, some, weights)
+            if weight > 0.1 and abs(ratio - 1.0) > THRESHOLD]
     given.leave("mismatch" if aged else "no_change", aged=aged)
 
 
