@@ -36,7 +36,7 @@ constexpr std::chrono::hours kLongestCorrection(1);
 // The options of mle_correct, by name.
 using Options = std::vector<std::pair<std::string, std::string>>;
 
-std::string TextOf(const Eigen::VectorXd& values) {
+std::string ValuesText(const Eigen::VectorXd& values) {
   std::vector<std::string> texts;
   for (const double value : values) {
     texts.push_back(std::isinf(value) ? "none" : ReadableNumber(value));
@@ -57,17 +57,17 @@ void AddPlan(const Controller& controller, Options& options) {
   }
   add("plan_quiet", ReadableNumber(plan.quiet));
   add("plan_set_points", absl::StrJoin(plan.set_points, ","));
-  add("plan_min_output", TextOf(plan.min_output));
-  add("plan_max_output", TextOf(plan.max_output));
-  add("plan_min_input", TextOf(plan.min_input));
-  add("plan_max_input", TextOf(plan.max_input));
+  add("plan_min_output", ValuesText(plan.min_output));
+  add("plan_max_output", ValuesText(plan.max_output));
+  add("plan_min_input", ValuesText(plan.min_input));
+  add("plan_max_input", ValuesText(plan.max_input));
   if (controller.valuation.has_value()) {
     const control::Prices& prices = controller.valuation->prices;
     if (!prices.squared_error.isZero(0.0)) {
-      add("plan_price_squared", TextOf(prices.squared_error));
+      add("plan_price_squared", ValuesText(prices.squared_error));
     }
     if (!prices.absolute_error.isZero(0.0)) {
-      add("plan_price_absolute", TextOf(prices.absolute_error));
+      add("plan_price_absolute", ValuesText(prices.absolute_error));
     }
   }
   if (!controller.tuning.has_value()) return;
@@ -75,8 +75,8 @@ void AddPlan(const Controller& controller, Options& options) {
   add("control_period", ReadableNumber(tuning.control_period));
   add("prediction_horizon", absl::StrCat(tuning.prediction_horizon));
   add("control_horizon", absl::StrCat(tuning.control_horizon));
-  add("output_weight", TextOf(tuning.output_weight.diagonal()));
-  add("move_weight", TextOf(tuning.move_weight.diagonal()));
+  add("output_weight", ValuesText(tuning.output_weight.diagonal()));
+  add("move_weight", ValuesText(tuning.move_weight.diagonal()));
   add("disturbance_variance_ratio",
       ReadableNumber(tuning.disturbance_variance_ratio));
 }

@@ -219,7 +219,7 @@ bool IsExplained(const Competition& competition) {
 }
 
 // Whether all samples are means over Δt.
-absl::StatusOr<bool> AreMeans(const Candidates& candidates) {
+absl::StatusOr<bool> HasMeans(const Candidates& candidates) {
   if (candidates.options.in_use || !candidates.competition.has_value() ||
       !MayBeMeans(candidates.data) || !IsExplained(*candidates.competition)) {
     return false;
@@ -249,7 +249,7 @@ absl::StatusOr<Candidates> FindCandidates(const ProcessModel& model,
                                           const CorrectOptions& options) {
   MLE_ASSIGN_OR_RETURN(Candidates candidates,
                        CandidatesOf(model, std::move(data), options));
-  MLE_ASSIGN_OR_RETURN(const bool are_means, AreMeans(candidates));
+  MLE_ASSIGN_OR_RETURN(const bool are_means, HasMeans(candidates));
   if (!are_means) return candidates;
   RecordData means = AsMeans(std::move(candidates.given));
   means.notes.push_back(MeansNote(candidates.data, model));
