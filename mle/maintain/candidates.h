@@ -26,7 +26,7 @@ namespace mle {
 struct Candidates {
   ProcessModel initial;
   CorrectOptions options;
-  RecordData given;
+  RecordData given;             // before outliers were marked
   RecordData data;              // outliers marked
   std::vector<Record> windows;  // of `data`
   StepResponse initial_response;
