@@ -229,7 +229,7 @@ absl::StatusOr<bool> HasMeans(const Candidates& candidates) {
   return AreMeans(*candidates.competition, *as_means);
 }
 
-Message MeansNote(const RecordData& data, const ProcessModel& model) {
+Message MeansWarning(const RecordData& data, const ProcessModel& model) {
   return {
       MessageCode::kSampling,
       "",
@@ -252,7 +252,7 @@ absl::StatusOr<Candidates> FindCandidates(const ProcessModel& model,
   MLE_ASSIGN_OR_RETURN(const bool are_means, HasMeans(candidates));
   if (!are_means) return candidates;
   RecordData means = AsMeans(std::move(candidates.given));
-  means.notes.push_back(MeansNote(candidates.data, model));
+  means.warnings.push_back(MeansWarning(candidates.data, model));
   return CandidatesOf(model, std::move(means), options);
 }
 

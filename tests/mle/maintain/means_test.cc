@@ -53,8 +53,8 @@ CorrectionResult CorrectedFrom(const Record& record) {
 }
 
 bool SaysMeans(const CorrectionResult& result) {
-  for (const Message& note : result.notes) {
-    if (note.text.find("All samples seem to be means over the 3 min") !=
+  for (const Message& warning : result.warnings) {
+    if (warning.text.find("All samples seem to be means over the 3 min") !=
         std::string::npos) {
       return true;
     }
