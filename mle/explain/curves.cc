@@ -8,9 +8,33 @@
 namespace mle {
 namespace {
 
+// k/w, upwards, then downwards.
+constexpr double kKinksAt[kKinks] = {0.05,  0.25,  0.5,  0.75,
+                                     -0.05, -0.25, -0.5, -0.75};
+
+bool IsKink(CurveShape shape) { return shape >= CurveShape::kFirstKink; }
+
+Transform KinkTransform(CurveShape shape, double c, double width) {
+  const double at = width * kKinksAt[static_cast<int>(shape) -
+                                     static_cast<int>(CurveShape::kFirstKink)];
+  const double beyond = std::copysign(width, at);
+  Transform curve;
+  curve.kind = TransformKind::kPiecewiseLinear;
+  curve.points = {{-beyond, -beyond},
+                  {at, at},
+                  {at + beyond, at + std::exp(c * width) * beyond}};
+  if (at < 0.0) std::reverse(curve.points.begin(), curve.points.end());
+  return curve;
+}
+
 // Whether an inverse has the same shape, and the other sign of c.
 bool IsOdd(CurveShape shape) {
   return shape == CurveShape::kSinh || shape == CurveShape::kTanh;
+}
+
+// One-sided, S-shaped, kinks.
+int FamilyOf(CurveShape shape) {
+  return IsOdd(shape) ? 1 : IsKink(shape) ? 2 : 0;
 }
 
 CurveShape InverseShape(CurveShape shape) {
@@ -44,7 +68,7 @@ double BendOf(CurveShape shape) {
 }  // namespace
 
 double ShapeCost(int part) {
-  return IsOdd(static_cast<CurveShape>(part)) ? kAsMuch : 0.0;
+  return FamilyOf(static_cast<CurveShape>(part)) == 0 ? 0.0 : kAsMuch;
 }
 
 CurveShape ShapeOf(const Explanation& explanation) {
@@ -59,6 +83,9 @@ std::vector<int> ShapesOf(ExplanationKind kind) {
         CurveShape::kQuadratic, CurveShape::kRoot, CurveShape::kTanh}) {
     if (is_output || !IsOdd(shape)) shapes.push_back(static_cast<int>(shape));
   }
+  for (int kink = 0; kink < kKinks && !is_output; ++kink) {
+    shapes.push_back(static_cast<int>(CurveShape::kFirstKink) + kink);
+  }
   return shapes;
 }
 
@@ -67,20 +94,22 @@ std::vector<Explanation> InShape(Explanation curve, int part) {
   const CurveShape before = ShapeOf(curve);
   curve.part = part;
   const CurveShape after = ShapeOf(curve);
-  if (IsOdd(before) != IsOdd(after)) {
+  if (FamilyOf(before) != FamilyOf(after)) {
     Explanation other = curve;
     curve.value = kBent;
     other.value = -kBent;
     return {curve, other};
   }
+  if (IsKink(after)) return {curve};
   const double ratio = BendOf(before) / BendOf(after);
   curve.value *= IsOdd(after) ? std::sqrt(ratio) : ratio;
   return {curve};
 }
 
-Transform CurveTransform(CurveShape shape, double c) {
+Transform CurveTransform(CurveShape shape, double c, double width) {
   Transform curve;
   if (c == 0.0) return curve;
+  if (IsKink(shape)) return KinkTransform(shape, c, width);
   switch (shape) {
     case CurveShape::kExponential:
       curve.kind = TransformKind::kExponential;
@@ -106,17 +135,24 @@ Transform CurveTransform(CurveShape shape, double c) {
                                               : TransformKind::kTanh;
       curve.curvature = c;
       break;
+    default:
+      break;
   }
   return curve;
 }
 
 Transform FoundCurve::TransformIn(CurveShape other, double c) const {
+  const double width = std::max(high - at, at - low);
   // An output's transform straightens what its curve bends.
-  Transform transform =
-      is_output ? CurveTransform(InverseShape(other), IsOdd(other) ? -c : c)
-                : CurveTransform(other, c);
+  Transform transform = is_output ? CurveTransform(InverseShape(other),
+                                                   IsOdd(other) ? -c : c, width)
+                                  : CurveTransform(other, c, width);
   transform.at = at;
   transform.zero += at;
+  for (auto& [x, f] : transform.points) {
+    x += at;
+    f += at;
+  }
   return transform;
 }
 

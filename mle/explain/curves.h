@@ -7,8 +7,11 @@
 //   root          h(x) = (√(1 + 2 c x) − 1)/c     its inverse: quick opening
 //   sinh          h(x) = sinh(c x)/c, asinh(c x)/c where c < 0: pH
 //   tanh          h(x) = tanh(c x)/c where c < 0, artanh(c x)/c where c > 0
+//   kink          h(x) = x up to k, k + e^{c w} (x − k) beyond, k = ±0.05 w,
+//                 ±0.25 w, ±0.5 w, ±0.75 w, w the largest |x| visited: two
+//                 valves in split range
 //
-// To second order the first four are one, and the last two to third order:
+// To second order the first four are one, and sinh and tanh to third order:
 // which it is is asked once a curve has won (curve_shapes.h).
 
 #ifndef MLE_EXPLAIN_CURVES_H_
@@ -28,12 +31,14 @@ enum class CurveShape {
   kQuadratic,
   kRoot,
   kTanh,
+  kFirstKink,  // the others follow: kKinks of them
 };
-inline constexpr int kCurveFamilies = 2;  // one-sided, S-shaped
+inline constexpr int kCurveFamilies = 2;  // that compete: one-sided, S-shaped
+inline constexpr int kKinks = 8;
 
 // Of a curved output or input (Explanation::part).
 CurveShape ShapeOf(const Explanation& explanation);
-// The shapes of a curve: an input has no S.
+// The shapes of a curve: an input has no S, an output no kink.
 std::vector<int> ShapesOf(ExplanationKind kind);
 // The curve in another shape, from where it is to be estimated: alike to second
 // (third) order, or, of the other family, bent either way.
@@ -43,11 +48,12 @@ std::vector<Explanation> InShape(Explanation curve, int part);
 inline constexpr double kAsMuch = 3.0;
 
 // What a shape has to leave less than others, in M: an S kAsMuch, since records
-// that bend to one side tell little of it.
+// that bend to one side tell little of it, and a kink, which may be anywhere.
 double ShapeCost(int part);
 
-// h as a transform that is 0 at 0: z of x is h(x). None for c = 0.
-Transform CurveTransform(CurveShape shape, double c);
+// h as a transform that is 0 at 0: z of x is h(x). None for c = 0. `width` is
+// w, > 0, of a kink.
+Transform CurveTransform(CurveShape shape, double c, double width);
 
 // A curve that was found: of an output y = a + h(z − a), of an input v =
 // a + h(u − a), z and v what the model's elements are linear between.

@@ -64,7 +64,8 @@ Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
     // One curve for all records, from where the first began.
     const double begin = column[0] - first_inputs_[input];
     const Explanation curve = {Kind::kCurvedInput, input, key.curve, key.shape};
-    const Transform h = CurveTransform(mle::ShapeOf(curve), CurvatureOf(curve));
+    const Transform h = CurveTransform(mle::ShapeOf(curve), CurvatureOf(curve),
+                                       distances_[input]);
     const double level = h.Linear(begin);
     for (double& x : v) x = h.Linear(begin + x) - level;
   }
@@ -224,7 +225,8 @@ VectorXd ExplainedOutput::Residual(
 // counts less, and nothing is added where there is no curve.
 void ExplainedOutput::BendOutput(const Explanation& curve, VectorXd& z) const {
   if (curve.value == 0.0) return;
-  const Transform h = CurveTransform(mle::ShapeOf(curve), CurvatureOf(curve));
+  const Transform h =
+      CurveTransform(mle::ShapeOf(curve), CurvatureOf(curve), output_range_);
   std::vector<double> above(records_->size(), 0.0);
   std::vector<int> counts(records_->size(), 0);
   for (std::size_t i = 0; i < rows_.size(); ++i) {

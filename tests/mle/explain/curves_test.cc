@@ -16,7 +16,7 @@ constexpr CurveShape kShapes[] = {
     CurveShape::kQuadratic,   CurveShape::kRoot, CurveShape::kTanh};
 
 double Bend(CurveShape shape, double c, double x) {
-  return CurveTransform(shape, c).Linear(x);
+  return CurveTransform(shape, c, 1.0).Linear(x);
 }
 
 // To second order four shapes are alike, to third two.
@@ -40,13 +40,32 @@ TEST(CurvesTest, EveryShapeIsItsFunction) {
   }
 }
 
+// Of slope 1 up to the kink, on its side.
+TEST(CurvesTest, AKinkHasAnotherSlopeBeyond) {
+  const double c = 0.5 * std::log(3.0);
+  const auto kink = [&](int number, double x) {
+    return CurveTransform(
+               static_cast<CurveShape>(
+                   static_cast<int>(CurveShape::kFirstKink) + number),
+               c, 2.0)
+        .Linear(x);
+  };
+  for (const double x : {-1.9, -0.2, 0.0, 0.3, 0.9}) {
+    EXPECT_NEAR(kink(2, x), x, 1e-12) << x;
+    EXPECT_NEAR(kink(2 + kKinks / 2, -x), -x, 1e-12) << x;
+  }
+  EXPECT_NEAR(kink(2, 1.5), 2.5, 1e-12);
+  EXPECT_NEAR(kink(2, 4.0), 10.0, 1e-12);
+  EXPECT_NEAR(kink(2 + kKinks / 2, -1.5), -2.5, 1e-12);
+}
+
 TEST(CurvesTest, WhereThereIsNoCurveThereIsNone) {
   EXPECT_TRUE(std::isnan(Bend(CurveShape::kLogarithm, 1.0, -1.5)));
   EXPECT_TRUE(std::isnan(Bend(CurveShape::kQuadratic, 1.0, -1.5)));
   EXPECT_TRUE(std::isnan(Bend(CurveShape::kRoot, 1.0, -1.5)));
   EXPECT_TRUE(std::isnan(Bend(CurveShape::kTanh, 1.0, 1.5)));
   EXPECT_TRUE(std::isnan(
-      CurveTransform(CurveShape::kExponential, 1.0).Engineering(-1.5)));
+      CurveTransform(CurveShape::kExponential, 1.0, 1.0).Engineering(-1.5)));
 }
 
 // Shapes of a family are alike where little is visited.
@@ -54,6 +73,11 @@ TEST(CurvesTest, OtherShapesBendAsFarFromTheStart) {
   for (const int part : ShapesOf(ExplanationKind::kCurvedInput)) {
     const Explanation curve = {ExplanationKind::kCurvedInput, 0, 0.3, 0};
     const std::vector<Explanation> others = InShape(curve, part);
+    // A kink bends nothing here, either way.
+    if (part >= static_cast<int>(CurveShape::kFirstKink)) {
+      EXPECT_EQ(others.size(), 2U);
+      continue;
+    }
     ASSERT_EQ(others.size(), 1U);
     EXPECT_NEAR(Bend(ShapeOf(others[0]), others[0].value, 0.2),
                 Bend(ShapeOf(curve), curve.value, 0.2), 5e-4);
@@ -80,7 +104,7 @@ TEST(CurvesTest, AFoundCurveIsATransform) {
       ASSERT_TRUE(transform.Validate().ok()) << transform.Validate();
       SCOPED_TRACE(transform.Description());
       for (const double x : {1.2, 2.0, 2.7}) {
-        const Transform h = CurveTransform(shape, -0.3);
+        const Transform h = CurveTransform(shape, -0.3, 1.0);
         const double z =
             2.0 + (is_output ? h.Engineering(x - 2.0) : h.Linear(x - 2.0));
         EXPECT_NEAR(transform.Linear(x), z, 1e-12);
@@ -111,6 +135,25 @@ TEST(CurvesTest, ABandHasTheErrorsOfAllShapesInIt) {
   const double linear = std::expm1(0.5) / 0.5;
   EXPECT_NEAR(curve.GainAt(1.0).value, std::exp(0.5) * std::exp(-0.2 * linear),
               1e-9);
+}
+
+// Two valves in split range, the second twice as large.
+TEST(CurvesTest, AKinkIsFoundWhereItIs) {
+  Happening happening;
+  happening.input = [](int input, double asked) {
+    return input == 0 && asked > 0.25 ? 0.25 + 2.0 * (asked - 0.25) : asked;
+  };
+  happening.samples = 2400;
+  happening.drift = 0.002;
+  const auto competition = Competition::Run(
+      TwoLoops(), {CloseLoops(TwoLoops(), 3, happening)}, ExplainOptions());
+  ASSERT_TRUE(competition.ok()) << competition.status();
+  const std::vector<FoundCurve> curves = competition->Curves();
+  ASSERT_EQ(curves.size(), 1U);
+  EXPECT_EQ(curves[0].channel, 0);
+  EXPECT_GE(curves[0].shape, CurveShape::kFirstKink);
+  EXPECT_NEAR(curves[0].GainAt(0.1).value, 1.0, 0.1);
+  EXPECT_NEAR(curves[0].GainAt(curves[0].high).value, 2.0, 0.25);
 }
 
 // A valve of equal percentage is an exponential, for all its outputs.
