@@ -119,8 +119,7 @@ Together BestTogether(const std::vector<OutputCompetition*>& outputs, int j,
     const double energy = EnergyTogether(outputs, j, one, tau);
     if (energy < best.energy) best = {one, energy};
   };
-  const int parts = outputs.front()->output().PartsOf(type.kind);
-  for (int part = 0; part < parts; ++part) {
+  for (const int part : outputs.front()->output().PartsOf(type.kind)) {
     for (const double value : type.start) try_value(value, part);
   }
   double step = 0.5 * std::abs(best.explanation.value);

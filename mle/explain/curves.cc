@@ -89,6 +89,15 @@ std::vector<int> ShapesOf(ExplanationKind kind) {
   return shapes;
 }
 
+std::vector<int> CompetingShapes(ExplanationKind kind) {
+  constexpr int kQuarter = static_cast<int>(CurveShape::kFirstKink) + 1;
+  const int first = static_cast<int>(CurveShape::kExponential);
+  if (kind == ExplanationKind::kCurvedInput) {
+    return {first, kQuarter, kQuarter + kKinks / 2};
+  }
+  return {first, static_cast<int>(CurveShape::kSinh)};
+}
+
 std::vector<Explanation> InShape(Explanation curve, int part) {
   constexpr double kBent = 1.0;  // θ of a curve of another family
   const CurveShape before = ShapeOf(curve);

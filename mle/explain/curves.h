@@ -33,13 +33,14 @@ enum class CurveShape {
   kTanh,
   kFirstKink,  // the others follow: kKinks of them
 };
-inline constexpr int kCurveFamilies = 2;  // that compete: one-sided, S-shaped
 inline constexpr int kKinks = 8;
 
 // Of a curved output or input (Explanation::part).
 CurveShape ShapeOf(const Explanation& explanation);
 // The shapes of a curve: an input has no S, an output no kink.
 std::vector<int> ShapesOf(ExplanationKind kind);
+// Those that compete, one of each family and, of kinks, side.
+std::vector<int> CompetingShapes(ExplanationKind kind);
 // The curve in another shape, from where it is to be estimated: alike to second
 // (third) order, or, of the other family, bent either way.
 std::vector<Explanation> InShape(Explanation curve, int part);

@@ -186,22 +186,18 @@ VectorXd ExplainedOutput::SetPointMoves(int which, int record) const {
          set_point.range;
 }
 
-int ExplainedOutput::PartsOf(ExplanationKind kind) const {
-  switch (kind) {
-    case Kind::kChangeDuringRecord:
-      return kParts;
-    case Kind::kNewPath:
-      return kPathLags;
-    case Kind::kCurvedOutput:
-      return kCurveFamilies;
-
-    case Kind::kLoadWithSetPoints: {
-      const int moving = num_moving_set_points();
-      return moving < 2 ? moving : moving + 1;
-    }
-    default:
-      return 1;
+std::vector<int> ExplainedOutput::PartsOf(ExplanationKind kind) const {
+  int parts = 1;
+  if (kind == Kind::kChangeDuringRecord) parts = kParts;
+  if (kind == Kind::kNewPath) parts = kPathLags;
+  if (kind == Kind::kLoadWithSetPoints) {
+    const int moving = num_moving_set_points();
+    parts = moving < 2 ? moving : moving + 1;
   }
+  if (IsCurve(kind)) return CompetingShapes(kind);
+  std::vector<int> all(static_cast<std::size_t>(parts));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 VectorXd ExplainedOutput::MeasuredMeans(const std::vector<VectorXd>& z) const {

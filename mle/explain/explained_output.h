@@ -66,9 +66,9 @@ class ExplainedOutput {
   bool has_lag(int input) const;
   // The time constants of the row.
   std::vector<double> time_constants() const;
-  // The number of parts of an explanation that are tried (Explanation::part); 1
-  // of most. A load follows one of the set points that move, or their mean.
-  int PartsOf(ExplanationKind kind) const;
+  // The parts of an explanation that are tried (Explanation::part); 0 alone of
+  // most. A load follows one of the set points that move, or their mean.
+  std::vector<int> PartsOf(ExplanationKind kind) const;
 
   // The explanations that may be tried here beside those taken: a row of the
   // table for each element, input or the output that it applies to, θ = 0.

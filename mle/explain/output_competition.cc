@@ -124,7 +124,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
     const auto [lower, upper] = output_.Bounds(one);
     Fit best;
     best.score = std::numeric_limits<double>::infinity();
-    for (int part = 0; part < output_.PartsOf(one.kind); ++part) {
+    for (const int part : output_.PartsOf(one.kind)) {
       for (const double start : TypeOf(one.kind).start) {
         if (start < lower || start > upper) continue;
         std::vector<Explanation> with = taken;
