@@ -119,7 +119,7 @@ TEST(ExplainedOutputTest, LoadsFollowTheSetPointsThatMove) {
   records[0].set_points(0, 1) = std::numeric_limits<double>::quiet_NaN();
   const ExplainedOutput output = Make(records);
   ASSERT_EQ(output.num_moving_set_points(), 2);
-  EXPECT_EQ(output.PartsOf(kLoad), 3);
+  EXPECT_EQ(output.PartsOf(kLoad), std::vector<int>({0, 1, 2}));
   const auto effect = [&output](int part) -> Eigen::VectorXd {
     return output.Residual({{kLoad, 0, 0.4, part}}) - output.Residual({});
   };
@@ -136,7 +136,7 @@ TEST(ExplainedOutputTest, LoadsFollowTheSetPointsThatMove) {
   records[0].set_points.row(0).setConstant(5.0);
   const ExplainedOutput other = Make(records);
   EXPECT_EQ(other.num_moving_set_points(), 1);
-  EXPECT_EQ(other.PartsOf(kLoad), 1);
+  EXPECT_EQ(other.PartsOf(kLoad), std::vector<int>{0});
   const Eigen::VectorXd moves = other.SetPointMoves(0, 0);
   EXPECT_EQ(moves[0], 0.0);
   EXPECT_DOUBLE_EQ(moves.maxCoeff() - moves.minCoeff(), 1.0);
