@@ -105,8 +105,6 @@ struct Extent {
   double join = 0.0;
 };
 
-constexpr double kFewest = kMinWindowSamples;
-
 Extent InSamples(const WindowOptions& options, double settling,
                  double sample_time) {
   Extent extent;
@@ -117,11 +115,12 @@ Extent InSamples(const WindowOptions& options, double settling,
   extent.after =
       options.after > 0.0
           ? std::round(options.after / sample_time)
-          : std::max(std::round(1.5 * settling / sample_time), kFewest);
-  extent.join =
-      options.join_within > 0.0
-          ? std::round(options.join_within / sample_time)
-          : std::max(std::min(extent.settling, extent.after), kFewest);
+          : std::max<double>(std::round(1.5 * settling / sample_time),
+                             kMinWindowSamples);
+  extent.join = options.join_within > 0.0
+                    ? std::round(options.join_within / sample_time)
+                    : std::max<double>(std::min(extent.settling, extent.after),
+                                       kMinWindowSamples);
   return extent;
 }
 

@@ -25,8 +25,8 @@
 namespace mle {
 
 // A part of an output in which operation should be steady, less the model's
-// response to the inputs, with
-// which control compensates disturbances of the output.
+// response to the inputs, with which control compensates disturbances of the
+// output.
 struct SteadyOperation {
   enum class Verdict {
     kUnknown,    // too short to say

@@ -44,10 +44,9 @@
 #include "mle/explain/curves.h"
 #include "mle/explain/explanation.h"
 #include "mle/model/process_model.h"
+#include "mle/model/transfer_function.h"
 
 namespace mle {
-
-struct ElementValues;  // element_response.h
 
 struct ExplainOptions {
   // −ln of the probability of taking an explanation by chance, > 0: e⁻⁸ is

@@ -59,10 +59,9 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
   return static_cast<int>(samples);
 }
 
-// The parts in which the plant was operated as usual, for the noise; the others
-// are noted.
-absl::StatusOr<std::vector<Record>> UsualRest(const ProcessModel& model,
-                                              RecordData& data) {
+// The parts of steady operation, for the noise; the others are noted.
+absl::StatusOr<std::vector<Record>> SteadyRecordsOf(const ProcessModel& model,
+                                                    RecordData& data) {
   MLE_ASSIGN_OR_RETURN(SteadyRecords rest,
                        FindSteadyRecords(model, data.AtRest()));
   data.operated_as_usual = rest.left_out.empty();
@@ -94,7 +93,7 @@ absl::Status FitWindows(Candidates& candidates) {
                                      candidates.data));
   candidates.windows = candidates.data.Records();
   MLE_ASSIGN_OR_RETURN(std::vector<Record> rest,
-                       UsualRest(model, candidates.data));
+                       SteadyRecordsOf(model, candidates.data));
   estimation.output_error.at_rest =
       std::make_shared<const std::vector<Record>>(std::move(rest));
   MLE_ASSIGN_OR_RETURN(

@@ -123,7 +123,7 @@ struct StateSpaceForm {
   std::optional<NamedStateSpace> model;
   std::string reason;  // why there is none; empty where none is wanted
 
-  // The largest over the outputs; 0 where there is no model.
+  // The largest value over the outputs; 0 where there is no model.
   double error_bound() const;
   double largest_difference() const;
 };

@@ -40,13 +40,6 @@
 
 namespace mle {
 
-// The fitted values of an element. Time is in the process model's unit.
-struct ElementValues {
-  double gain = 0.0;        // K
-  double time_scale = 1.0;  // T > 0, without a meaning where there is no lag
-  double delay = 0.0;       // L ≥ 0
-};
-
 // L = (whole + fraction) Δt.
 struct SampledDelay {
   int whole = 0;          // q ≥ 0

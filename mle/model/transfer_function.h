@@ -103,6 +103,13 @@ class TransferFunction {
   double delay_ = 0.0;
 };
 
+// The fitted values of an element. Time is in the process model's unit.
+struct ElementValues {
+  double gain = 0.0;        // K
+  double time_scale = 1.0;  // T > 0, without a meaning where there is no lag
+  double delay = 0.0;       // L ≥ 0
+};
+
 }  // namespace mle
 
 #endif  // MLE_MODEL_TRANSFER_FUNCTION_H_

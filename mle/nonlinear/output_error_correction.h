@@ -211,8 +211,6 @@ enum class ElementState {
   kFitted,
 };
 
-struct ElementValues;  // element_response.h
-
 struct ElementEstimate {
   ElementState state = ElementState::kAbsent;
   ParameterEstimate gain;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/model/element_response.h"
 #include "tests/mle/explain/closed_loop_records.h"
 
 namespace mle {
