@@ -299,12 +299,12 @@ def ratio_of_gains(runs):
     model = plants.PLANTS["wood_berry"].read()
     source = np.random.default_rng(4)
     found, _ = plant_model_ratio.ratios(Loop(model, with_gain(model, 0, 1.3), 0.0, source).given)
-    yield Figure("plant-model ratio", "Selvanathan and Tangirala: gain 1.3 times, |R|", 1.3,
+    yield Figure("plant-model ratio", "Selvanathan and Tangirala: gain 1.3 times, modulus", 1.3,
                  float(abs(found[0, 0])), 0.01)
     late = {**model, "elements": [plants.aged(element, delay=1.0) if i == 0 else element
                                   for i, element in enumerate(model["elements"])]}
     found, _ = plant_model_ratio.ratios(Loop(model, late, 0.0, source).given)
-    yield Figure("plant-model ratio", "Selvanathan and Tangirala: dead time 1 min longer, |R|", 1.0,
+    yield Figure("plant-model ratio", "Selvanathan and Tangirala: dead time 1 min longer, modulus", 1.0,
                  float(abs(found[0, 0])), 0.01)
 
 
